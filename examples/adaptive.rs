@@ -19,8 +19,6 @@ mod figures;
 mod motion;
 #[path = "adaptive/quadrotor.rs"]
 mod quadrotor;
-#[path = "adaptive/rotors.rs"]
-mod rotors;
 #[path = "adaptive/run.rs"]
 mod run;
 #[path = "adaptive/summary.rs"]

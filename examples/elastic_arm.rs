@@ -93,7 +93,7 @@ fn ringing(arm: &Arm, elastic: &ElasticArm, motion: &impl Motion<6>) -> Result<R
         let state = motion.held_at(t)?;
         let torque = arm.model.inverse_dynamics(&state.q, &state.qd, &state.qdd);
         let theta: JointVector = std::array::from_fn(|i| state.q[i] + torque[i] / stiffness[i]);
-        Ok::<_, mbs_arm::trajectory::TrajectoryError>((state, torque, theta))
+        Ok::<_, mbs_models::Error>((state, torque, theta))
     };
     let (state, _, theta) = wanted(0.0)?;
     let start = std::array::from_fn(|i| if i < 6 { state.q[i] } else { theta[i - 6] });
@@ -107,7 +107,7 @@ fn ringing(arm: &Arm, elastic: &ElasticArm, motion: &impl Motion<6>) -> Result<R
             torque[i] + inertia[i] * (state.qdd[i] + back)
         });
         *qdd = elastic.model.forward_dynamics(q, qd, &tau);
-        Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+        Ok::<(), mbs_models::Error>(())
     };
     let settings = Dop853::new(1e-12, 1e-13);
     // In pieces, so that no step leads over the stop.

@@ -9,13 +9,14 @@
 //! DIR` writes all results as CSV, and their histograms (SVG and PNG).
 
 use mbs_examples::{print, println};
+use mbs_models::Error;
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_runtime::State;
@@ -70,7 +71,7 @@ fn main() -> Result<(), Failure> {
     let progress = ProgressBar::new(members as u64)
         .with_style(ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go")?);
     let start = Instant::now();
-    let landings: Vec<Result<Touchdown, LandingError>> = (0..members as u64)
+    let landings: Vec<Result<Touchdown, Error>> = (0..members as u64)
         .into_par_iter()
         .map(|seed| {
             let landing = member(seed);
@@ -88,7 +89,7 @@ fn main() -> Result<(), Failure> {
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
         let header = ["member", "touchdown_time_s", "relative_velocity_m_s", "horizontal_offset_m"].map(String::from);
-        let row = |(member, end): (usize, &Result<Touchdown, LandingError>)| {
+        let row = |(member, end): (usize, &Result<Touchdown, Error>)| {
             end.as_ref().ok().map(|end| [&[member as f64][..], &results(end)].concat())
         };
         output::write_table(folder, "landings", &header, landings.iter().enumerate().filter_map(row))?;
@@ -186,7 +187,7 @@ impl Deviates {
 
 /// A landing with a vehicle, a wind, a start and sensors of its own; the controller knows the vehicle as it was
 /// designed.
-fn member(seed: u64) -> Result<Touchdown, LandingError> {
+fn member(seed: u64) -> Result<Touchdown, Error> {
     let mut deviates = Deviates(Pcg64Mcg::seed_from_u64(seed));
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     let designed = *landing.vehicle.params();

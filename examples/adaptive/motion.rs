@@ -1,7 +1,8 @@
 //! What the arm is to do: the thesis' way there and back, and one that shows all masses.
 
 use mbs_arm::JointVector;
-use mbs_arm::trajectory::{JointState, Motion, Piecewise, TrajectoryError, quintic};
+use mbs_arm::trajectory::{JointState, Motion, Piecewise, quintic};
+use mbs_models::Error;
 
 /// Table 2 of the thesis \[°\].
 const START: JointVector = [20.0, 10.0, 10.0, 10.0, 20.0, 10.0];
@@ -13,7 +14,7 @@ const ONE_WAY: f64 = 50.0;
 pub(crate) struct ThereAndBack(Piecewise<6, 1>);
 
 impl ThereAndBack {
-    pub(crate) fn new() -> Result<Self, TrajectoryError> {
+    pub(crate) fn new() -> Result<Self, Error> {
         Ok(Self(quintic(START.map(f64::to_radians), [0.0; 6], STOP.map(f64::to_radians), ONE_WAY)?))
     }
 }
@@ -23,7 +24,7 @@ impl Motion<6> for ThereAndBack {
         2.0 * ONE_WAY
     }
 
-    fn at(&self, t: f64) -> Result<JointState<6>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<6>, Error> {
         if t <= ONE_WAY {
             return self.0.at(t);
         }
@@ -52,7 +53,7 @@ impl Motion<6> for Sines {
         60.0
     }
 
-    fn at(&self, t: f64) -> Result<JointState<6>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<6>, Error> {
         let mut state = JointState::at_rest(MIDDLE.map(f64::to_radians));
         for (joint, waves) in WAVES.iter().enumerate() {
             for &(amplitude, period) in waves {

@@ -9,11 +9,11 @@ use mbs_landing::quadrotor::backstepping::{Backstepping, Reference};
 use mbs_landing::quadrotor::flatness;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
+use mbs_landing::quadrotor::rotors::{CALM, Rotors, Speeds};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_runtime::control::{AdaptiveControl, RegressorStack, Sliding, regressor};
 
 use crate::arm::RANK_TOLERANCE;
-use crate::rotors::{CALM, Rotors, Speeds};
 use crate::run::{Loop, Run, Sample, Seen, first, simulate};
 
 /// What controllers take for the mass \[kg\] and the principal inertias \[kg·m²\].

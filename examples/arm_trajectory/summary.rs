@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use mbs_arm::Arm;
 use mbs_arm::trajectory::Motion;
-use mbs_arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, branch_of};
+use mbs_arm::trajectory::cartesian::{CartesianPath, FlangeLine, branch_of};
 use mbs_examples::Failure;
+use mbs_models::{At, Error};
 
 use crate::rapid;
 use mbs_examples::arm_trajectory::cases::{self, Case};
@@ -101,7 +102,9 @@ fn lines(text: &mut String, arm: &Arm) -> Result<(), Failure> {
             let elbow = if other { ", on another branch than the stop of Table 2" } else { "" };
             format!("it arrives with ({})°{elbow}", end.map(|q| format!("{:.2}", q.to_degrees())).join(", "))
         }
-        Err(CartesianError::LimitExceeded { s, joint, .. }) => format!("axis {} is out of range at s = {s}", joint + 1),
+        Err(Error { failure: mbs_models::Failure::LimitExceeded { index, .. }, at: Some(At::Path(s)) }) => {
+            format!("axis {} is out of range at s = {s}", index + 1)
+        }
         Err(error) => error.to_string(),
     };
     writeln!(text, "  within the ranges of the axes: {}", on_line(arm))?;

@@ -1,7 +1,7 @@
 //! One mission, with what is drawn of it.
 
 use mbs_examples::Failure;
-use mbs_orbit::mission::{Burn, Mission, Moment, Report};
+use mbs_orbit::mission::{Burn, Mission, Moment, Report, ThrusterErrors};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -15,10 +15,8 @@ pub(crate) enum Thrusters {
     WithErrors,
 }
 
-/// Standard deviation of a burn's size, relative.
-const SIZE_ERROR: f64 = 0.01;
-/// Of its direction, about each axis \[rad\].
-const DIRECTION_ERROR: f64 = 0.5 * std::f64::consts::PI / 180.0;
+/// 1 % and 0.5°.
+const ERRORS: ThrusterErrors = ThrusterErrors { size: 0.01, direction: 0.5 * std::f64::consts::PI / 180.0 };
 /// Of the random numbers: every run is the same.
 const SEED: u64 = 400;
 
@@ -37,7 +35,7 @@ impl Flight {
         let thrust = |burn: &Burn| {
             let delta_v = match thrusters {
                 Thrusters::Perfect => burn.delta_v,
-                Thrusters::WithErrors => scattered(burn.delta_v, &mut random),
+                Thrusters::WithErrors => ERRORS.executed(burn.delta_v, || StandardNormal.sample(&mut random)),
             };
             burns.push(Burn { delta_v, ..*burn });
             delta_v
@@ -45,15 +43,4 @@ impl Flight {
         let report = mission.fly(thrust, |moment| moments.push(*moment))?;
         Ok(Self { mission: *mission, moments, burns, report })
     }
-}
-
-fn scattered([x, y, z]: [f64; 3], random: &mut Pcg64Mcg) -> [f64; 3] {
-    let mut deviate = |deviation: f64| -> f64 {
-        let normal: f64 = StandardNormal.sample(random);
-        deviation * normal
-    };
-    let size = 1.0 + deviate(SIZE_ERROR);
-    let [a, b, c] = [(); 3].map(|()| deviate(DIRECTION_ERROR));
-    // Turned by a small vector.
-    [size * (x + b * z - c * y), size * (y + c * x - a * z), size * (z + a * y - b * x)]
 }

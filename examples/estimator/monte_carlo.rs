@@ -7,10 +7,11 @@ use mbs_landing::estimator::filter::{Filter, Innovation, Uncertainty};
 use mbs_landing::estimator::nominal::{ERRORS, Nominal};
 use mbs_landing::quadrotor::estimated::{EstimatedMoment, inertial_state, vehicle_state};
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Landing, LandingError};
+use mbs_landing::quadrotor::landing::Landing;
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_landing::sensors::Sensors;
 use mbs_landing::sensors::imu::{Biases, ImuSample};
+use mbs_models::Error;
 use nalgebra::{SVector, Vector3};
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -60,7 +61,7 @@ pub(crate) fn flown(
     heave: Heave<4>,
     seed: u64,
     observer: impl FnMut(&EstimatedMoment<'_>),
-) -> Result<[Touchdown; 2], LandingError> {
+) -> Result<[Touchdown; 2], Error> {
     let sensors = Sensors::TYPICAL;
     let landing = Landing::on(mbs_landing::quadrotor::landing::Plant::Exact, heaving(heave));
     let mut normal = deviates(seed);
@@ -76,7 +77,7 @@ pub(crate) fn flown(
 }
 
 /// One landing, and how consistent its estimator was.
-fn run(heave: Heave<4>, seed: u64) -> Result<Run, LandingError> {
+fn run(heave: Heave<4>, seed: u64) -> Result<Run, Error> {
     let (mut state, mut range, mut image) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut measured) = (0, 0);
     let (mut squares, mut last_error) = (SVector::zeros(), Vector3::zeros());
@@ -107,7 +108,7 @@ fn run(heave: Heave<4>, seed: u64) -> Result<Run, LandingError> {
 pub(crate) fn runs(heave: Heave<4>, count: u32) -> Result<Vec<Run>, Failure> {
     let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go")?;
     let progress = ProgressBar::new(u64::from(count)).with_style(style);
-    let runs: Result<Vec<Run>, LandingError> = (0..u64::from(count))
+    let runs: Result<Vec<Run>, Error> = (0..u64::from(count))
         .into_par_iter()
         .map(|seed| {
             let run = run(heave, seed);

@@ -1,14 +1,14 @@
 //! One experiment: its plan, what it asks of the machines, and the simulated arm.
 
 use mbs_examples::Failure;
-use mbs_landing::experiment::error::{Infeasible, PlanError};
+use mbs_landing::experiment::error::Infeasible;
 use mbs_landing::experiment::flight::Flight;
 use mbs_landing::experiment::inbound::Inbound;
 use mbs_landing::experiment::landed::{Landed, Meeting, Standing};
 use mbs_landing::experiment::plan::{Attitude, Experiment, Plan};
-use mbs_landing::experiment::search::{Search, SearchError};
+use mbs_landing::experiment::search::Search;
 use mbs_landing::experiment::survey::Survey;
-use mbs_landing::experiment::tracking::{Look, Tracked, Tracking, TrackingError};
+use mbs_landing::experiment::tracking::{Look, Tracked, Tracking};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_runtime::Pose;
@@ -46,9 +46,9 @@ pub(crate) struct Outcome<'a> {
     pub(crate) plan: Plan<'a>,
     pub(crate) survey: Survey,
     /// The arm under its controller, which may not come to a contact.
-    pub(crate) simulated: Result<Simulated, TrackingError>,
+    pub(crate) simulated: Result<Simulated, Infeasible>,
     /// Arm and platform through the contact.
-    pub(crate) landed: Result<Touched, TrackingError>,
+    pub(crate) landed: Result<Touched, Infeasible>,
 }
 
 pub(crate) struct Touched {
@@ -109,8 +109,8 @@ impl<'a> Run<'a> {
         let (scale, planned, next) = match scale {
             None => match experiment.greatest_scale(&Search::default()) {
                 Ok(found) => (found.plan.scale(), Ok((found.plan, found.survey)), found.next),
-                Err(SearchError::NoneFeasible { scale, reason }) => (scale, Err(reason), None),
-                Err(error) => return Err(error.into()),
+                Err(Infeasible::Refused(error)) => return Err(error.into()),
+                Err(reason) => (Search::default().step, Err(reason), None),
             },
             Some(scale) => (scale, surveyed(experiment, scale)?, None),
         };
@@ -131,7 +131,7 @@ impl<'a> Run<'a> {
     }
 }
 
-fn simulated(plan: &Plan<'_>) -> Result<Simulated, TrackingError> {
+fn simulated(plan: &Plan<'_>) -> Result<Simulated, Infeasible> {
     let tracking = Tracking::new(&plan.experiment().robot);
     let mut looks = Vec::new();
     let tracked = plan.track(&tracking, |look| looks.push(*look))?;
@@ -140,11 +140,11 @@ fn simulated(plan: &Plan<'_>) -> Result<Simulated, TrackingError> {
         let flange = tracking.plant.flange(&look.state.q);
         Ok(Sample { flange, deck: plan.deck_height(look.time)[0], legs: [legs.length, legs.force], look })
     };
-    let samples = looks.into_iter().step_by(KEPT).map(sample).collect::<Result<_, TrackingError>>()?;
+    let samples = looks.into_iter().step_by(KEPT).map(sample).collect::<Result<_, Infeasible>>()?;
     Ok(Simulated { tracked, samples })
 }
 
-fn landed(plan: &Plan<'_>) -> Result<Touched, TrackingError> {
+fn landed(plan: &Plan<'_>) -> Result<Touched, Infeasible> {
     let landed = Landed::new(Tracking::new(&plan.experiment().robot));
     let from = (plan.experiment().flight.touchdown() - BEFORE).max(0.0);
     let mut meetings = Vec::new();
@@ -155,15 +155,14 @@ fn landed(plan: &Plan<'_>) -> Result<Touched, TrackingError> {
 type Surveyed<'a> = Result<(Plan<'a>, Survey), Infeasible>;
 
 /// The plan at a scale and what it asks for, or why the arm cannot follow.
-fn surveyed(experiment: &Experiment, scale: f64) -> Result<Surveyed<'_>, PlanError> {
-    match experiment.plan(scale) {
-        Ok(plan) => Ok(plan.survey().map(|survey| (plan, survey))),
-        Err(PlanError::Infeasible(reason)) => Ok(Err(reason)),
-        Err(error) => Err(error),
+fn surveyed(experiment: &Experiment, scale: f64) -> Result<Surveyed<'_>, Infeasible> {
+    match experiment.plan(scale).and_then(|plan| plan.survey().map(|survey| (plan, survey))) {
+        Err(Infeasible::Refused(error)) => Err(error.into()),
+        found => Ok(found),
     }
 }
 
-fn other(experiment: &Experiment, scale: f64) -> Result<Option<Other>, PlanError> {
+fn other(experiment: &Experiment, scale: f64) -> Result<Option<Other>, Infeasible> {
     let Ok((plan, survey)) = surveyed(experiment, scale)? else { return Ok(None) };
     let clearance = plan.clearance()?;
     Ok(Some(Other { scale, standoff: plan.standoff(), clearance, survey }))

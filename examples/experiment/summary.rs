@@ -216,7 +216,7 @@ mod tests {
         let run = Run::of(&experiment, case, Some(0.1)).expect("a plan");
         let found = results(&run);
         let reason = found["simulation_error"].as_str().expect("a reason");
-        let begun = reason.strip_prefix("the flange begins ").and_then(|rest| rest.strip_suffix(" m over the deck"));
+        let begun = reason.strip_prefix("height over the deck at the beginning must be more than 0, it is ");
         let height: f64 = begun.expect(reason).parse().expect("a number");
         assert!((height + 0.1).abs() < 1e-12, "{reason}");
         assert!(found["max_torque_ratio"].is_number() && found["drive_ratio_max"].is_null());

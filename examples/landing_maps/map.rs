@@ -5,8 +5,9 @@ use mbs_examples::quadrotor_landing::flight::{PLACE, TOLERANCE};
 use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::deck::{Deck, DeckState};
-use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Controller, LEVEL, Landing, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_models::Error;
 use mbs_runtime::Dop853;
 use rayon::prelude::*;
 
@@ -148,8 +149,8 @@ impl Outcome {
         }
         match landing.simulate(Landing::initial_state(), |_, _, _| ()) {
             Ok(end) => Ok(Outcome::Lands(end.time)),
-            Err(LandingError::NoTouchdown { .. }) => Ok(Outcome::TooLong),
-            Err(LandingError::Pitch { .. }) => Ok(Outcome::AttitudeLost),
+            Err(Error { failure: mbs_models::Failure::NoContact { .. }, .. }) => Ok(Outcome::TooLong),
+            Err(error) if error.invalid().is_some_and(|wrong| wrong.parameter == LEVEL) => Ok(Outcome::AttitudeLost),
             Err(error) => Err(error.into()),
         }
     }

@@ -1,7 +1,7 @@
 //! Two objectives: little time and little effort. The ε-constraint method: the least effort in each time.
 
-use mbs_arm::trajectory::TrajectoryError;
 use mbs_arm::trajectory::minimum_effort::{MinimumEffort, minimum_effort};
+use mbs_models::Error;
 use mbs_models::irb7600::Irb7600;
 use mbs_runtime::Dual;
 
@@ -113,7 +113,7 @@ impl Front {
     }
 }
 
-type Found = Result<MinimumEffort<6, 6>, TrajectoryError>;
+type Found = Result<MinimumEffort<6, 6>, Error>;
 
 /// The shortest time by bisection, between what the speeds' limits alone would allow and a time that is enough.
 fn fastest(
@@ -129,7 +129,7 @@ fn fastest(
         let duration = 0.5 * (too_short + enough);
         match within(duration, Some(&best)) {
             Ok(motion) => (best, enough) = (motion, duration),
-            Err(TrajectoryError::NoOptimum { .. }) => too_short = duration,
+            Err(Error { failure: mbs_models::Failure::NotConverged { .. }, .. }) => too_short = duration,
             Err(other) => return Err(other.into()),
         }
     }

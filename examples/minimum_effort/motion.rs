@@ -181,7 +181,7 @@ fn astray(motion: &MinimumEffort<6, 6>) -> Result<[f64; 2], Failure> {
         let (from, to) = (pair[0].t, pair[1].t);
         let free = |t: f64, q: &JointVector, qd: &JointVector, qdd: &mut JointVector| {
             *qdd = arm.forward_dynamics(q, qd, &motion.input_at(t.clamp(from, to))?);
-            Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+            Ok::<(), mbs_models::Error>(())
         };
         Dop853::new(1e-10, 1e-12).integrate(free, from, to, &mut state, |_| ControlFlow::Continue(()))?;
         worst = (0..6).map(|i| (state.q[i] - pair[1].state.q[i]).abs()).fold(worst, f64::max);

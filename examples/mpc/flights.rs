@@ -6,7 +6,6 @@ use mbs_examples::Failure;
 use mbs_examples::quadrotor_landing::flight::{Flight, Kind, heaving};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
-use mbs_landing::quadrotor::predictive::PredictiveError;
 use mbs_landing::quadrotor::predictive::controller::{Descent, Horizon, Memory, PredictiveController};
 use mbs_landing::quadrotor::predictive::flight::{LOOKS, Moment, Replanning, fly};
 use mbs_landing::quadrotor::predictive::limits::Limits;
@@ -14,6 +13,7 @@ use mbs_landing::quadrotor::predictive::sequential::{Optimum, Options};
 use mbs_landing::quadrotor::predictive::shortest::ShortestLanding;
 use mbs_landing::quadrotor::predictive::step::{Prediction, ROTORS, STATES};
 use mbs_landing::quadrotor::touchdown::Touchdown;
+use mbs_models::Error;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 
 /// Velocity of the air that no plan knows of, assumed \[m/s\].
@@ -138,7 +138,7 @@ fn replanned(
     planned: &ShortestLanding,
     first: &Optimum<STATES, ROTORS>,
     horizon: Horizon,
-) -> Result<Flown, PredictiveError> {
+) -> Result<Flown, Error> {
     let mut replanning = Replanning::new(planned.clone(), first.plan.clone(), EVERY, PROGRAMS);
     let (mut plans, mut ends) = (Vec::new(), Vec::new());
     let pilot = |t: f64, state: &_| {
@@ -153,7 +153,7 @@ fn replanned(
     Ok(Flown { touchdown, moments, plans, ends })
 }
 
-fn predictive(world: &Landing, horizon: Horizon) -> Result<Flown, PredictiveError> {
+fn predictive(world: &Landing, horizon: Horizon) -> Result<Flown, Error> {
     let limits = Limits::default();
     let mut controller = PredictiveController::new(Params::default(), limits, world.deck, horizon, Descent::default())?;
     let (mut memory, mut plans) = (Memory::default(), Vec::new());

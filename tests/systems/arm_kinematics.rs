@@ -2,14 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use mbs_arm::inverse::{Branch, Elbow, Inexact, OutsideLimits, PHI, Shoulder, Singularities, Wrist};
-use mbs_arm::limits::InvalidLimits;
+use mbs_arm::inverse::{Branch, EXCESS, Elbow, Inexact, PHI, Shoulder, Singularities, Wrist};
 use mbs_arm::printed;
-use mbs_arm::{
-    A1, A2, A3, Arm, D1, D4, D6, InverseKinematics, JointLimits, JointVector, Solution, Solutions, Unsolvable,
-};
+use mbs_arm::{A1, A2, A3, Arm, D1, D4, D6, InverseKinematics, JointLimits, JointVector, Solution, Solutions};
 use mbs_models::arm6::Arm6;
 use mbs_models::scara::Scara;
+use mbs_models::{Error, Failure};
 use mbs_runtime::attitude::NotARotation;
 use mbs_runtime::inverse_kinematics::{DampedLeastSquares, NotReached};
 use mbs_runtime::{Pose, to_matrix};
@@ -416,18 +414,17 @@ fn limits_are_kept_on_request() {
     assert_eq!(solutions.choose(limits, &home), Ok(nearest_of(&solutions, limits, &home)));
     let narrow = JointLimits { lower: [-0.1; 6], upper: [0.1; 6], ..*limits };
     match solutions.choose(&narrow, &home) {
-        Err(error @ OutsideLimits::Crossed { best, joint, by }) => {
+        Err(error @ Error { failure: Failure::LimitExceeded { quantity: EXCESS, index, value: by, .. }, .. }) => {
             let worst = |q: &JointVector| (0..6).map(|i| narrow.excess(i, q[i])).fold(0.0, f64::max);
-            assert!(by > 0.0 && by == worst(&best.q) && by == narrow.excess(joint, best.q[joint]));
+            let best = |solution: &Solution| by == worst(&solution.q) && by == narrow.excess(index, solution.q[index]);
+            assert!(by > 0.0 && solutions.iter().any(best), "{error}");
             assert!(solutions.iter().all(|solution| worst(&solution.q) >= by));
-            assert!(error.to_string().contains(&format!("joint {joint} by {by}")), "{error}");
+            assert!(error.to_string().contains(&format!("joint {index} comes to {by}")), "{error}");
         }
         other => panic!("{other:?}"),
     }
-    assert!(matches!(
-        solutions.choose(&crossed, &home),
-        Err(OutsideLimits::Limits(InvalidLimits::Range { joint: 0, .. }))
-    ));
+    let refused = solutions.choose(&crossed, &home).unwrap_err().invalid().expect("a number");
+    assert!(refused.parameter == "largest angle of joint" && refused.index == Some(0), "{refused}");
     let free = JointLimits { lower: [-TAU; 6], upper: [TAU; 6], ..*limits };
     assert_close("table 1", &thesis.nearest(&free, &table_1()).expect("free").q, &table_1(), 1e-13);
 }
@@ -445,7 +442,7 @@ fn out_of_reach_the_error_says_by_how_much() {
     // The wrist at the height of axis 2, 0.1 m beyond the stretched arm.
     let pose = Pose { position: [A1 + reach + D6 + 0.1, 0.0, D1], rotation: level };
     match arm.inverse(&pose) {
-        Err(error @ Unsolvable::TooFar { by }) => {
+        Err(error @ Error { failure: Failure::TooFar { by }, .. }) => {
             assert!((by - 0.1).abs() < 1e-14, "{by}");
             assert!(error.to_string().starts_with("the wrist is out of reach by 0.1"), "{error}");
         }
@@ -458,7 +455,9 @@ fn out_of_reach_the_error_says_by_how_much() {
         check(&arm, &pose, &solutions, 1e-12);
     }
     let pose = Pose { position: [A1 + reach + D6 + 1e-9, 0.0, D1], rotation: level };
-    assert!(matches!(arm.inverse(&pose), Err(Unsolvable::TooFar { by }) if (by - 1e-9).abs() < 1e-14));
+    assert!(
+        matches!(arm.inverse(&pose), Err(Error { failure: Failure::TooFar { by }, .. }) if (by - 1e-9).abs() < 1e-14)
+    );
     // The wrist on axis 2: nearer than the folded arm gets, and too far for the other shoulder? No: that one reaches
     // it.
     let near = Pose { position: [A1 + D6, 0.0, D1], rotation: level };
@@ -474,7 +473,7 @@ fn what_is_no_pose_is_refused() {
     let mut mirrored = good;
     mirrored.rotation = mirrored.rotation.map(|row| [row[0], row[1], -row[2]]);
     match arm.inverse(&mirrored) {
-        Err(Unsolvable::Rotation(NotARotation::Reflection { determinant })) => {
+        Err(Error { failure: Failure::Rotation(NotARotation::Reflection { determinant }), .. }) => {
             assert!((determinant + 1.0).abs() < 1e-14);
         }
         other => panic!("{other:?}"),
@@ -482,15 +481,16 @@ fn what_is_no_pose_is_refused() {
     for broken in [f64::NAN, f64::INFINITY] {
         let mut pose = good;
         pose.rotation[2][1] = broken;
-        let error = Unsolvable::Rotation(NotARotation::NonFinite { row: 2, column: 1 });
-        assert_eq!(arm.inverse(&pose), Err(error));
+        let error = NotARotation::NonFinite { row: 2, column: 1 };
+        assert_eq!(arm.inverse(&pose), Err(error.into()));
         let mut pose = good;
         pose.position[1] = broken;
-        assert_eq!(arm.inverse(&pose), Err(Unsolvable::NonFinitePosition { component: 1 }));
+        let refused = arm.inverse(&pose).unwrap_err().invalid().expect("a number");
+        assert!(refused.parameter == "position" && refused.index == Some(1), "{refused}");
     }
     // The largest numbers there are, and no overflow into NaN.
     let far = Pose { position: [1e300, -1e300, 1e300], ..good };
-    assert!(matches!(arm.inverse(&far), Err(Unsolvable::TooFar { by }) if by > 1e299));
+    assert!(matches!(arm.inverse(&far), Err(Error { failure: Failure::TooFar { by }, .. }) if by > 1e299));
 }
 
 #[test]
@@ -506,7 +506,7 @@ fn inexact_rotations_are_orthonormalized_or_rejected() {
     assert!(to_matrix(&found.rotation).determinant() - 1.0 < 1e-14);
     let strict = InverseKinematics { inexact: Inexact::Reject(1e-6), ..Default::default() };
     match strict.solve(&printed_pose()) {
-        Err(Unsolvable::Rotation(NotARotation::NotOrthogonal { error, tolerance })) => {
+        Err(Error { failure: Failure::Rotation(NotARotation::NotOrthogonal { error, tolerance }), .. }) => {
             assert!((error - 8.558e-5).abs() < 1e-8 && tolerance == 1e-6, "{error:e}");
         }
         other => panic!("{other:?}"),

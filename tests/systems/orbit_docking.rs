@@ -4,11 +4,11 @@ use std::f64::consts::{PI, TAU};
 use std::ops::ControlFlow;
 
 use mbs_models::check::{Invalid, Must};
+use mbs_models::{At, Error, Failure};
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::soft_docking::attitude::AttitudeControl;
 use mbs_orbit::soft_docking::bodies::{Body, Pair, rate};
 use mbs_orbit::soft_docking::docking_bodies::{DockingBodies, Params};
-use mbs_orbit::soft_docking::error::SoftDockingError;
 use mbs_orbit::soft_docking::finite_burn::{Engine, Vehicle};
 use mbs_orbit::soft_docking::flight::{SoftDocking, Start};
 use mbs_orbit::soft_docking::jets::{JETS, JetSet};
@@ -400,15 +400,16 @@ fn what_it_does_not_work_with_is_refused() {
     let refused = |docking: SoftDocking| docking.fly(|_| {}).unwrap_err();
     let error = refused(SoftDocking { start: Start { distance: -1.0, ..good.start }, ..good });
     let expected = Invalid { parameter: "start.distance", index: None, value: -1.0, must: Must::BePositive };
-    assert_eq!(error, SoftDockingError::Invalid(expected));
+    assert_eq!(error, expected.into());
     let angles = [0.0, f64::NAN, 0.0];
     assert!(matches!(
         refused(SoftDocking { start: Start { angles, ..good.start }, ..good }),
-        SoftDockingError::Invalid(Invalid { parameter: "start.angles", index: Some(1), .. })
+        Error { failure: Failure::Invalid(Invalid { parameter: "start.angles", index: Some(1), .. }), .. }
     ));
     let params = Params { chaser_mass: -1.0, ..good.params };
-    assert!(matches!(refused(SoftDocking { params, ..good }), SoftDockingError::Bodies(_)));
+    assert!(matches!(refused(SoftDocking { params, ..good }), Error { failure: Failure::Parameters(_), .. }));
     let short = refused(SoftDocking { longest: 20.0, ..good });
-    assert!(matches!(short, SoftDockingError::NoContact { time, distance } if time > 20.0 && distance > 20.0));
+    let Error { failure: Failure::NoContact { distance }, at: Some(At::Time(time)) } = short else { panic!("{short}") };
+    assert!(time > 20.0 && distance > 20.0, "{short}");
     assert!(Engine { thrust: f64::NAN, exhaust_velocity: 3000.0 }.raise(EARTH_MU, 1.0, [7e6, 8e6]).is_err());
 }

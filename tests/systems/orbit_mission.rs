@@ -4,13 +4,13 @@
 use std::f64::consts::PI;
 
 use mbs_models::check::{Invalid, Must};
-use mbs_orbit::clohessy_wiltshire::TargetingError;
-use mbs_orbit::elements::{Elements, ElementsError};
+use mbs_models::{At, Error, Failure};
+use mbs_orbit::clohessy_wiltshire::IN_PLANE;
+use mbs_orbit::elements::Elements;
 use mbs_orbit::kepler::propagate;
 use mbs_orbit::lvlh::{Frame, RelativeMotion, relative_motion};
 use mbs_orbit::mission::coast::Attraction;
-use mbs_orbit::mission::error::MissionError;
-use mbs_orbit::mission::glideslope::{Glideslope, GlideslopeError};
+use mbs_orbit::mission::glideslope::Glideslope;
 use mbs_orbit::mission::phasing::{Method, Phasing};
 use mbs_orbit::mission::safety::Zone;
 use mbs_orbit::mission::{Axis, LinearModel, Mission, Phase, Report, STATION_ATTRACTION};
@@ -253,7 +253,7 @@ fn glideslopes_obey_their_equation() {
     let [one, other] = [1e-5, 9e-4].map(|x| Glideslope::new(10.0, 0.1, 0.1 * (1.0 + x)).unwrap());
     close(one.duration(), 100.0 * (1.0 - 0.5e-5), 1e-8);
     close(other.duration(), 100.0 * (9e-4_f64).ln_1p() / 9e-4, 1e-9);
-    let expected = GlideslopeError::Invalid(Must::BePositive.broken_by("last_speed", 0.0));
+    let expected = Must::BePositive.broken_by("last_speed", 0.0).into();
     assert_eq!(Glideslope::new(1.0, 1.0, 0.0), Err(expected));
     assert!(Glideslope::new(f64::NAN, 1.0, 1.0).is_err());
 }
@@ -359,54 +359,53 @@ fn bad_input_is_refused_with_its_value() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
     for value in [0.0, -1.0, f64::INFINITY] {
-        let expected = MissionError::Invalid(Must::BePositive.broken_by("homing_duration", value));
+        let expected = Must::BePositive.broken_by("homing_duration", value).into();
         assert_eq!(error(Mission { homing_duration: value, ..good }), expected);
     }
-    let expected = MissionError::Invalid(Must::NotBeNegative.broken_by("attraction.station", -1.0));
+    let expected = Must::NotBeNegative.broken_by("attraction.station", -1.0).into();
     assert_eq!(error(Mission { attraction: Attraction { station: -1.0, ..good.attraction }, ..good }), expected);
     assert!(matches!(
         error(Mission { approach_distance: f64::NAN, ..good }),
-        MissionError::Invalid(Invalid { parameter: "approach_distance", value, .. }) if value.is_nan()
+        Error { failure: Failure::Invalid(Invalid { parameter: "approach_distance", value, .. }), .. } if value.is_nan()
     ));
     let parameter = "approach_distance - docking_distance";
-    let expected = MissionError::Invalid(Must::BePositive.broken_by(parameter, -50.0));
+    let expected = Must::BePositive.broken_by(parameter, -50.0).into();
     assert_eq!(error(Mission { docking_distance: 300.0, ..good }), expected);
     assert!(matches!(
         error(Mission { homing_end: [f64::NAN, 0.0, 0.0], ..good }),
-        MissionError::Invalid(Invalid { parameter: "distance of homing_end", .. })
+        Error { failure: Failure::Invalid(Invalid { parameter: "distance of homing_end", .. }), .. }
     ));
     assert!(matches!(
         error(Mission { approach_pulses: 0, ..good }),
-        MissionError::Invalid(Invalid { parameter: "approach_pulses", value: 0.0, .. })
+        Error { failure: Failure::Invalid(Invalid { parameter: "approach_pulses", value: 0.0, .. }), .. }
     ));
 
     let straight = StateVector::new(good.station.position, [0.0; 3]);
-    assert_eq!(error(Mission { station: straight, ..good }), MissionError::Orbit(ElementsError::Straight));
+    let open = Failure::Undetermined("the orbital plane of a motion along a straight line");
+    assert_eq!(error(Mission { station: straight, ..good }), open.into());
     let nan = StateVector::new([f64::NAN; 3], [0.0; 3]);
     assert!(matches!(
         error(Mission { vehicle: nan, ..good }),
-        MissionError::Orbit(ElementsError::Invalid(Invalid { must: Must::BeFinite, .. }))
+        Error { failure: Failure::Invalid(Invalid { parameter: "position", must: Must::BeFinite, .. }), .. }
     ));
-    let expected = MissionError::NoPhasing { longest_wait: 20_000.0, lowest_altitude: 1e6 };
-    assert_eq!(error(Mission { lowest_altitude: 1e6, ..good }), expected);
+    let expected = "there is no plan of phasing within the longest wait and above the lowest altitude";
+    assert_eq!(error(Mission { lowest_altitude: 1e6, ..good }).to_string(), expected);
 
     // A whole revolution fixes nothing.
     let n = Frame::of(&good.station).unwrap().rate();
     let period = 2.0 * PI / n;
-    assert!(matches!(
-        error(Mission { homing_duration: period, ..good }),
-        MissionError::Targeting { error: TargetingError::SingularInPlane { .. }, .. }
-    ));
+    assert_eq!(error(Mission { homing_duration: period, ..good }).failure, Failure::Undetermined(IN_PLANE));
 
     let broken = good.fly(|_| [f64::NAN; 3], |_| {}).unwrap_err();
-    assert!(matches!(broken, MissionError::Thrust { time } if time > 1000.0), "{broken}");
+    assert_eq!(broken.failure, Failure::NotFinite("what the thrusters give"));
+    assert!(matches!(broken.at, Some(At::Time(time)) if time > 1000.0), "{broken}");
     // Thrusters that fail for the last metres: it comes to a stop before the port, or drifts away.
     let failing = |burn: &mbs_orbit::mission::Burn| match burn.phase {
         Phase::Docking => [0.0, -0.02, 0.0],
         _ => burn.delta_v,
     };
     let lost = good.fly(failing, |_| {}).unwrap_err();
-    assert!(matches!(lost, MissionError::NoContact { distance, .. } if distance > 0.0), "{lost}");
+    assert!(matches!(lost.failure, Failure::NoContact { distance } if distance > 0.0), "{lost}");
 }
 
 /// Plans that nobody should fly end with an error that says why, or dock.
@@ -414,15 +413,21 @@ fn bad_input_is_refused_with_its_value() {
 fn absurd_plans() {
     let good = Mission::to_the_station(Axis::VBar);
     let error = |mission: Mission| mission.fly(|burn| burn.delta_v, |_| {}).unwrap_err();
-    let too_large =
-        |parameter, value, limit| MissionError::Invalid(Must::BeWithin([0.0, limit]).broken_by(parameter, value));
+    let too_large = |parameter, value, limit| Error::from(Must::BeWithin([0.0, limit]).broken_by(parameter, value));
     assert_eq!(error(Mission { longest_wait: 1e300, ..good }), too_large("longest_wait", 1e300, 1e7));
     assert_eq!(error(Mission { corrections: 40, ..good }), too_large("corrections", 40.0, 20.0));
     let slow = error(Mission { approach_speeds: [1e-300, 1e-300], ..good });
     assert!(
         matches!(
             slow,
-            MissionError::Invalid(Invalid { parameter: "duration of the approach", must: Must::BeWithin(_), .. })
+            Error {
+                failure: Failure::Invalid(Invalid {
+                    parameter: "duration of the approach",
+                    must: Must::BeWithin(_),
+                    ..
+                }),
+                ..
+            }
         ),
         "{slow}"
     );
@@ -431,15 +436,22 @@ fn absurd_plans() {
         assert!(
             matches!(
                 wide,
-                MissionError::Invalid(Invalid { parameter: "corridor_half_angle", must: Must::BeWithin(_), .. })
+                Error {
+                    failure: Failure::Invalid(Invalid {
+                        parameter: "corridor_half_angle",
+                        must: Must::BeWithin(_),
+                        ..
+                    }),
+                    ..
+                }
             ),
             "{wide}"
         );
     }
-    let none = MissionError::Invalid(Must::BePositive.broken_by("keep_out", 0.0));
+    let none = Must::BePositive.broken_by("keep_out", 0.0).into();
     assert_eq!(error(Mission { keep_out: 0.0, ..good }), none);
     let fast = error(Mission { approach_speeds: [5e-324, 1e308], ..good });
-    assert!(matches!(fast, MissionError::Glideslope(GlideslopeError::OutOfRange)), "{fast}");
+    assert!(fast.failure == Failure::OutOfRange, "{fast}");
 
     // From above, on a hyperbola, from where the station is, with the port in the middle: dearer, but no matter.
     let escaping = StateVector { velocity: good.vehicle.velocity.map(|v| 1.5 * v), ..good.vehicle };
@@ -461,6 +473,6 @@ fn absurd_plans() {
     // Those that do nothing, or the contrary, do not dock.
     for part in [0.0, -1.0] {
         let lost = good.fly(|burn| burn.delta_v.map(|v| part * v), |_| {}).unwrap_err();
-        assert!(matches!(lost, MissionError::Missed { distance, .. } if distance > 200.0), "{lost}");
+        assert!(matches!(lost.failure, Failure::Missed { distance } if distance > 200.0), "{lost}");
     }
 }

@@ -11,13 +11,15 @@ use std::f64::consts::FRAC_PI_2;
 use mbs_derive::expr::Graph;
 use mbs_derive::optimise::FunctionKind;
 use mbs_derive::{declared, derived};
-use mbs_models::check::{Invalid, Must};
+use mbs_models::check::Must;
 use mbs_models::stewart_platform::Params;
+use mbs_models::{Error, Failure};
 use mbs_platform::direct::Newton;
+use mbs_platform::direct::{SEARCH, SEARCH_AT_SINGULAR};
 use mbs_platform::dynamics::{Direction, STILL};
-use mbs_platform::geometry::{Plate, attitude};
-use mbs_platform::leg::{LegMotion, NotSpherical};
-use mbs_platform::{Coordinates, HOME, InvalidPlatform, LegVector, Motion, NotFound, Platform, PoseError};
+use mbs_platform::geometry::{COINCIDENT, attitude};
+use mbs_platform::leg::LegMotion;
+use mbs_platform::{Coordinates, HOME, LegVector, Motion, NOT_FINITE, Platform};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
 use serde_json::Value;
@@ -141,7 +143,7 @@ fn table_4_from_the_base_passes_through_a_singular_pose() {
     assert!(!platform(300.0, true).reaches(&q).unwrap());
     let refused = platform(300.0, true).leg_forces(&q, &qd, &qdd);
     assert!(
-        matches!(refused, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-9 * largest),
+        matches!(refused, Err(Error { failure: Failure::Singular { smallest, largest, .. }, .. }) if smallest < 1e-9 * largest),
         "{refused:?}"
     );
 }
@@ -264,9 +266,10 @@ fn legs_of_the_platform_in_spherical_coordinates() {
         }
     }
     let falling = LegMotion::of_joint(&[0.0, 0.0, 1.0], &[0.0; 3], &[0.0; 3]);
-    assert_eq!(falling, Err(NotSpherical::Vertical { sin_beta: 0.0 }));
-    assert_eq!(LegMotion::of_joint(&[0.0; 3], &[0.0; 3], &[0.0; 3]), Err(NotSpherical::ZeroLength { length: 0.0 }));
-    assert_eq!(LegMotion::of_joint(&[f64::NAN, 0.0, 1.0], &[0.0; 3], &[0.0; 3]), Err(NotSpherical::NonFinite));
+    assert_eq!(falling, Err(Failure::Undetermined("the azimuth of a vertical leg").into()));
+    let short = Must::BePositive.broken_by("length of the leg", 0.0);
+    assert_eq!(LegMotion::of_joint(&[0.0; 3], &[0.0; 3], &[0.0; 3]), Err(short.into()));
+    assert_eq!(LegMotion::of_joint(&[f64::NAN, 0.0, 1.0], &[0.0; 3], &[0.0; 3]), Err(NOT_FINITE.into()));
 }
 
 #[test]
@@ -338,7 +341,7 @@ fn lengths_that_belong_to_no_pose_end_in_an_error() {
     // One leg of 4 m beside five of 1.2 m: the triangle with its neighbour does not close.
     let torn = [4.0, 1.2, 1.2, 1.2, 1.2, 1.2];
     match platform.direct(&torn, &HOME) {
-        Err(NotFound::NotConverged { iterations, residual, .. } | NotFound::Singular { iterations, residual, .. }) => {
+        Err(Error { failure: Failure::NotConverged { iterations, residual, .. }, .. }) => {
             assert!(iterations <= 50 && residual > 0.1, "{iterations} {residual}");
         }
         other => panic!("{other:?}"),
@@ -346,23 +349,28 @@ fn lengths_that_belong_to_no_pose_end_in_an_error() {
     let few = Newton { iterations: 2, ..Newton::default() };
     let lengths = platform.lengths(&[0.1, 0.1, 1.2, 0.2, 0.1, 0.2]).unwrap();
     let stopped = few.solve(&platform, &lengths, &HOME);
-    assert!(
-        matches!(stopped, Err(NotFound::NotConverged { iterations: 2, residual, .. }) if residual > 1e-13),
-        "{stopped:?}"
-    );
+    let Err(Error { failure: Failure::NotConverged { what: SEARCH, iterations: 2, residual }, .. }) = stopped else {
+        panic!("{stopped:?}")
+    };
+    assert!(residual > 1e-13, "{residual}");
     let invalid = Newton { tolerance: -1.0, ..few }.solve(&platform, &lengths, &HOME);
-    assert_eq!(invalid, Err(NotFound::InvalidTolerance { tolerance: -1.0 }));
+    assert_eq!(invalid, Err(Must::BePositive.broken_by("tolerance", -1.0).into()));
     for length in [0.0, -1.0, f64::INFINITY] {
         let mut lengths = lengths;
         lengths[4] = length;
-        assert_eq!(platform.direct(&lengths, &HOME), Err(NotFound::InvalidLength { leg: 4, length }));
+        let refused = Must::BePositive.broken_by("length of leg", length).of(4);
+        assert_eq!(platform.direct(&lengths, &HOME), Err(refused.into()));
     }
     let mut start = HOME;
     start[5] = f64::NAN;
-    assert_eq!(platform.direct(&lengths, &start), Err(NotFound::NonFiniteStart));
+    let refused = platform.direct(&lengths, &start).unwrap_err();
+    assert_eq!(refused.to_string(), "start[5] must be finite, it is NaN");
     // Flat on the base the legs cannot tell up from down.
     let flat = platform.direct(&lengths, &[0.0; 6]);
-    assert!(matches!(flat, Err(NotFound::Singular { iterations: 0, .. })), "{flat:?}");
+    let Err(Error { failure: Failure::NotConverged { what, iterations: 0, .. }, .. }) = flat else {
+        panic!("{flat:?}")
+    };
+    assert_eq!(what, SEARCH_AT_SINGULAR);
 }
 
 #[test]
@@ -371,31 +379,24 @@ fn bad_platforms_and_poses() {
     let refused = |params: Params| Platform::new(params).expect_err("no platform");
     assert_eq!(
         refused(Params { payload_mass: -5.0, ..params }),
-        InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -5.0))
+        Must::NotBeNegative.broken_by("payload_mass", -5.0).into()
     );
     assert_eq!(
         refused(Params { piston_mass: -1.0, ..params }),
-        InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("piston_mass", -1.0))
+        Must::NotBeNegative.broken_by("piston_mass", -1.0).into()
     );
-    assert_eq!(
-        refused(Params { base_radius: 0.0, ..params }),
-        InvalidPlatform::Invalid(Must::BePositive.broken_by("base_radius", 0.0))
-    );
+    assert_eq!(refused(Params { base_radius: 0.0, ..params }), Must::BePositive.broken_by("base_radius", 0.0).into());
     assert_eq!(
         refused(Params { base_half_angle: 0.0, ..params }),
-        InvalidPlatform::CoincidentJoints { plate: Plate::Base, joints: [0, 1], distance: 0.0 }
+        Must::BeMoreThan(COINCIDENT * params.base_radius).broken_by("clearance of base joint", 0.0).of(0).into()
     );
     // Pairs of 60° to each side meet their neighbours.
     let met = refused(Params { platform_half_angle: 60.0_f64.to_radians(), ..params });
-    assert!(
-        matches!(met, InvalidPlatform::CoincidentJoints { plate: Plate::Platform, joints: [0, 1], distance } if distance < 1e-15),
-        "{met:?}"
-    );
-    assert!(matches!(
-        refused(Params { g: f64::NAN, ..params }),
-        InvalidPlatform::Invalid(Invalid { parameter: "g", .. })
-    ));
-    assert_eq!(refused(Params { platform_inertia: [55.0, 0.0, 105.0], ..params }), InvalidPlatform::NoInertia);
+    let named = met.invalid().expect("a number");
+    assert!(named.parameter == "clearance of platform joint" && named.index == Some(0) && named.value < 1e-15, "{met}");
+    assert_eq!(refused(Params { g: f64::NAN, ..params }).to_string(), "g must be finite, it is NaN");
+    let refused = refused(Params { platform_inertia: [55.0, 0.0, 105.0], ..params });
+    assert_eq!(refused.to_string(), "platform_inertia[1] must be positive, it is 0");
 
     // Joints of one radius and angle, plates on each other: every leg has the length zero.
     let stacked = Platform::new(Params {
@@ -406,29 +407,30 @@ fn bad_platforms_and_poses() {
     })
     .unwrap();
     let zero = stacked.lengths(&[0.0; 6]);
-    assert!(matches!(zero, Err(PoseError::ZeroLength { leg: 0, length }) if length < 1e-15), "{zero:?}");
+    let named = zero.unwrap_err().invalid().expect("a number");
+    assert!(named.parameter == "length of leg" && named.index == Some(0) && named.value < 1e-15, "{named}");
     // Straight up it cannot be held against a turn about z: the classical singularity of equal plates.
     let upright = stacked.leg_forces(&HOME, &[0.0; 6], &[0.0; 6]);
-    assert!(matches!(upright, Err(PoseError::Singular { .. })), "{upright:?}");
+    assert!(matches!(upright, Err(Error { failure: Failure::Singular { .. }, .. })), "{upright:?}");
 
     let platform = Platform::default();
     for place in 0..6 {
         let mut q = HOME;
         q[place] = f64::INFINITY;
-        assert_eq!(platform.lengths(&q), Err(PoseError::NonFinite));
-        assert_eq!(platform.leg_forces(&HOME, &q, &[0.0; 6]), Err(PoseError::NonFinite));
-        assert_eq!(platform.accelerations(&HOME, &[0.0; 6], &q), Err(PoseError::NonFinite));
+        assert_eq!(platform.lengths(&q), Err(NOT_FINITE.into()));
+        assert_eq!(platform.leg_forces(&HOME, &q, &[0.0; 6]), Err(NOT_FINITE.into()));
+        assert_eq!(platform.accelerations(&HOME, &[0.0; 6], &q), Err(NOT_FINITE.into()));
     }
     // θ = 90°: the legs are fine, the angles are not.
     let upended = platform.leg_forces(&[0.0, 0.0, 1.5, 0.0, FRAC_PI_2, 0.0], &[0.0; 6], &[0.0; 6]);
-    assert!(matches!(upended, Err(PoseError::Singular { .. })), "{upended:?}");
+    assert!(matches!(upended, Err(Error { failure: Failure::Singular { .. }, .. })), "{upended:?}");
     // Nor do accelerations follow there, or so near that M, which goes as cos² θ, is rounding.
     for off in [0.0, 1e-12, -1e-8, 1e-5] {
         for side in [1.0, -1.0] {
             let q = [0.0, 0.0, 1.5, 0.2, side * (FRAC_PI_2 + off), 0.3];
             let upended = platform.accelerations(&q, &[0.1; 6], &[1000.0; 6]);
             assert!(
-                matches!(upended, Err(PoseError::Singular { smallest, largest }) if smallest < 1e-5 && (largest - 2.0_f64.sqrt()).abs() < 1e-9),
+                matches!(upended, Err(Error { failure: Failure::Singular { smallest, largest, .. }, .. }) if smallest < 1e-5 && (largest - 2.0_f64.sqrt()).abs() < 1e-9),
                 "{upended:?}"
             );
         }

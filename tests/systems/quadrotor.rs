@@ -11,12 +11,13 @@ use std::ops::ControlFlow;
 use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Controller, HEIGHT, Landing, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_landing::quadrotor::mixer::{Effort, Mixer};
 use mbs_models::check::{Invalid, Must};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_models::quadrotor_quaternion::{Params as QuaternionParams, QuadrotorQuaternion};
+use mbs_models::{At, Error, Failure};
 use mbs_runtime::{Dop853, Integrator, State};
 use mbs_tests::random::{Random, states};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
@@ -289,15 +290,16 @@ fn landings_that_cannot_be_are_refused() {
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     landing.vehicle = QuadrotorEuler::new(Params { m: 0.0, ..Params::default() });
     let refused = landing.simulate(start, |_, _, _| ());
-    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("m", 0.0))));
+    assert_eq!(refused, Err(Must::BePositive.broken_by("m", 0.0).into()));
 
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     let below = State::new([12.0, 7.0, -1.0, 0.0, 0.0, 0.0], [0.0; 6]);
-    assert_eq!(landing.simulate(below, |_, _, _| ()), Err(LandingError::NotAbove { height: -1.0 }));
+    let below_deck = Must::BeMoreThan(0.0).broken_by(HEIGHT, -1.0);
+    assert_eq!(landing.simulate(below, |_, _, _| ()), Err(below_deck.into()));
     let nowhere = State::new([12.0, 7.0, f64::NAN, 0.0, 0.0, 0.0], [0.0; 6]);
     let refused = landing.simulate(nowhere, |_, _, _| ());
     assert!(
-        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "q", index: Some(2), .. }))),
+        matches!(refused.as_ref().unwrap_err().invalid(), Some(Invalid { parameter: "q", index: Some(2), .. })),
         "{refused:?}"
     );
 
@@ -311,7 +313,7 @@ fn landings_that_cannot_be_are_refused() {
         damage(&mut landing);
         let refused = landing.simulate(start, |_, _, _| ());
         assert!(
-            matches!(refused, Err(LandingError::Invalid(wrong)) if wrong.to_string().starts_with(name)),
+            refused.as_ref().is_err_and(|error| error.invalid().is_some() && error.to_string().starts_with(name)),
             "{refused:?}"
         );
     }
@@ -322,16 +324,22 @@ fn landings_that_cannot_be_are_refused() {
     }
     let refused = blind.simulate(start, |_, _, _| ());
     assert!(
-        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "controller.params.m", .. }))),
+        matches!(refused.as_ref().unwrap_err().invalid(), Some(Invalid { parameter: "controller.params.m", .. })),
         "{refused:?}"
     );
     let sampled = landing
         .simulate_sampled(start, 0.002, |t, state| if t > 1.0 { State::new([f64::NAN; 6], state.qd) } else { *state });
-    assert!(matches!(sampled, Err(LandingError::Sensor { time }) if (time - 1.002).abs() < 1e-9), "{sampled:?}");
+    assert!(
+        matches!(sampled, Err(Error { failure: Failure::NotFinite("what a sensor gives"), at: Some(At::Time(time)) }) if (time - 1.002).abs() < 1e-9),
+        "{sampled:?}"
+    );
     let refused = landing.simulate_sampled(start, 0.0, |_, state| *state);
-    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("period", 0.0))));
+    assert_eq!(refused, Err(Must::BePositive.broken_by("period", 0.0).into()));
 
     landing.t_end = 5.0;
     let refused = landing.simulate(start, |_, _, _| ());
-    assert!(matches!(refused, Err(LandingError::NoTouchdown { time: 5.0, height }) if height > 1.0), "{refused:?}");
+    assert!(
+        matches!(refused, Err(Error { failure: Failure::NoContact { distance }, at: Some(At::Time(5.0)) }) if distance > 1.0),
+        "{refused:?}"
+    );
 }

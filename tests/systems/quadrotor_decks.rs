@@ -6,14 +6,15 @@ use mbs_landing::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
 use mbs_landing::quadrotor::driven::Drive;
 use mbs_landing::quadrotor::ground_effect::GroundEffect;
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Controller, Landing, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_landing::quadrotor::small_angle;
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::check::{Invalid, Must};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
-use mbs_platform::limits::{ActuatorLimits, InvalidLimits, Quantity};
-use mbs_platform::{Coordinates, HOME, Motion, Platform, PlatformMotion, PoseError, Superposition};
+use mbs_models::{At, Error, Failure};
+use mbs_platform::limits::{ActuatorLimits, Quantity};
+use mbs_platform::{Coordinates, HOME, Motion, Platform, PlatformMotion, Superposition};
 use mbs_runtime::State;
 use mbs_runtime::control::ComputedTorque;
 use mbs_tests::random::{Random, states};
@@ -265,7 +266,10 @@ fn the_vehicle_floats_on_its_ground_effect() {
                 last = [t, state.q[2]];
                 count += 1;
             });
-            assert!(matches!(refused, Err(LandingError::NoTouchdown { .. })) && count > 10_000, "{refused:?}");
+            assert!(
+                matches!(refused, Err(Error { failure: Failure::NoContact { .. }, .. })) && count > 10_000,
+                "{refused:?}"
+            );
             let height = last[1];
             (height, height - (0.4 - sink_rate * (last[0] - 8.0)))
         };
@@ -414,15 +418,21 @@ fn decks_that_cannot_be_landed_on_are_told_of() {
     // NaN, at once and later.
     let nowhere = at_the_place(Superposition::heave(f64::NAN, &[0.1], &[1.0]), [0.0; 3]);
     let refused = Landing::on(Plant::Exact, nowhere).simulate(start, |_, _, _| ());
-    assert_eq!(refused, Err(LandingError::Deck { time: 0.0 }));
+    assert_eq!(refused, Err(Failure::NotFinite("the deck").at_time(0.0)));
     let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
     landing.deck.place[1] = f64::INFINITY;
-    assert_eq!(landing.simulate(start, |_, _, _| ()), Err(LandingError::Deck { time: 0.0 }));
+    assert_eq!(landing.simulate(start, |_, _, _| ()), Err(Failure::NotFinite("the deck").at_time(0.0)));
     let lost = Landing::on(Plant::Exact, Lost { after: 2.0 });
     let refused = lost.simulate(start, |_, _, _| ());
-    assert!(matches!(refused, Err(LandingError::Deck { time }) if (time - 2.0).abs() < 1e-9), "{refused:?}");
+    assert!(
+        matches!(refused, Err(Error { failure: Failure::NotFinite("the deck"), at: Some(At::Time(time)) }) if (time - 2.0).abs() < 1e-9),
+        "{refused:?}"
+    );
     let refused = lost.simulate_sampled(start, 0.01, |_, state| *state);
-    assert!(matches!(refused, Err(LandingError::Deck { time }) if (time - 2.01).abs() < 1e-9), "{refused:?}");
+    assert!(
+        matches!(refused, Err(Error { failure: Failure::NotFinite("the deck"), at: Some(At::Time(time)) }) if (time - 2.01).abs() < 1e-9),
+        "{refused:?}"
+    );
 
     // Faster than free fall: the touchdown reports it.
     for (heave, falls) in [(Heave::CASE_I, 1.42), (Heave::CASE_II, 11.03)] {
@@ -435,20 +445,20 @@ fn decks_that_cannot_be_landed_on_are_told_of() {
     let deck = at_the_place(Superposition::heave(0.0, &[0.1], &[1.0]), [0.0; 3]);
     let refused = Landing::on(Plant::Exact, deck).simulate_driven(start, &drive(8.0), 0.002, |_| ());
     assert!(
-        matches!(refused, Err(LandingError::Platform { time: 0.0, error: PoseError::Singular { .. } })),
+        matches!(refused, Err(Error { failure: Failure::Singular { .. }, at: Some(At::Time(0.0)) })),
         "{refused:?}"
     );
     let landing = Landing::on(Plant::Exact, at_the_place(Superposition::MARINE, [0.0; 3]));
     let refused = landing.simulate_driven(start, &drive(8.0), 0.0, |_| ());
-    assert_eq!(refused, Err(LandingError::Invalid(Must::BePositive.broken_by("period", 0.0))));
+    assert_eq!(refused, Err(Must::BePositive.broken_by("period", 0.0).into()));
     let mut impossible = drive(8.0);
     impossible.platform.limits.force = -1.0;
     let refused = landing.simulate_driven(start, &impossible, 0.002, |_| ());
-    let expected = InvalidLimits::Bound { quantity: Quantity::Force, bound: -1.0 };
-    assert_eq!(refused, Err(LandingError::Limits(expected)));
+    let expected = Must::BeMoreThan(0.0).broken_by("largest force", -1.0);
+    assert_eq!(refused, Err(expected.into()));
     let refused = landing.simulate_driven(State::new([f64::NAN; 6], [0.0; 6]), &drive(8.0), 0.002, |_| ());
     assert!(
-        matches!(refused, Err(LandingError::Invalid(Invalid { parameter: "q", index: Some(0), .. }))),
+        matches!(refused.as_ref().unwrap_err().invalid(), Some(Invalid { parameter: "q", index: Some(0), .. })),
         "{refused:?}"
     );
 }

@@ -5,14 +5,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use mbs_landing::quadrotor::approach::Approach;
 use mbs_landing::quadrotor::deck::{Deck, DeckState, HeavingDeck, MovingDeck};
-use mbs_landing::quadrotor::driven::{Drive, TrackingError};
+use mbs_landing::quadrotor::driven::{Drive, SIDE, TrackingError};
 use mbs_landing::quadrotor::ground_effect::GroundEffect;
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Controller, Landing, LandingError, MOST_MOMENTS, Plant};
+use mbs_landing::quadrotor::landing::{Controller, HEIGHT, LEVEL, Landing, MOST_MOMENTS, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
+use mbs_landing::quadrotor::touchdown::LEAVING;
 use mbs_landing::quadrotor::touchdown::Touchdown;
+use mbs_models::check::Must;
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
-use mbs_platform::{HOME, Motion, Platform, PoseError, Superposition};
+use mbs_models::{At, Error, Failure};
+use mbs_platform::{HOME, Motion, NOT_FINITE, Platform, Superposition};
 use mbs_runtime::State;
 use mbs_runtime::control::ComputedTorque;
 
@@ -50,20 +53,20 @@ fn drive() -> Drive {
 }
 
 /// What both simulations on a deck that moves exactly end with.
-fn both<D: Deck>(landing: &Landing<D>, start: State<[f64; 6]>) -> [Result<Touchdown, LandingError>; 2] {
+fn both<D: Deck>(landing: &Landing<D>, start: State<[f64; 6]>) -> [Result<Touchdown, Error>; 2] {
     [landing.simulate(start, |_, _, _| ()), landing.simulate_sampled(start, PERIOD, |_, state| *state)]
 }
 
 #[track_caller]
-fn refused<D: Deck>(landing: &Landing<D>, start: State<[f64; 6]>, expected: impl Fn(&LandingError) -> bool) {
+fn refused<D: Deck>(landing: &Landing<D>, start: State<[f64; 6]>, expected: impl Fn(&Error) -> bool) {
     for end in both(landing, start) {
         assert!(end.as_ref().is_err_and(&expected), "{end:?}");
     }
 }
 
 /// Whether a number of this name, with its index, was refused for this.
-fn is_invalid(error: &LandingError, name: &str, must: &str) -> bool {
-    matches!(error, LandingError::Invalid(wrong) if wrong.to_string().starts_with(&format!("{name} {must}")))
+fn is_invalid(error: &Error, name: &str, must: &str) -> bool {
+    error.invalid().is_some_and(|wrong| wrong.to_string().starts_with(&format!("{name} {must}")))
 }
 
 #[test]
@@ -84,7 +87,7 @@ fn numbers_that_are_none_are_told_by_name() {
         for x in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut landing = case_i();
             damage(&mut landing, x);
-            let is_named = |e: &LandingError| is_invalid(e, name, "must be finite");
+            let is_named = |e: &Error| is_invalid(e, name, "must be finite");
             refused(&landing, Landing::initial_state(), is_named);
         }
     }
@@ -105,7 +108,7 @@ fn numbers_that_are_none_are_told_by_name() {
         for x in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let mut landing = case_i();
             damage(&mut landing, x);
-            let is_named = |e: &LandingError| is_invalid(e, name, "must be positive");
+            let is_named = |e: &Error| is_invalid(e, name, "must be positive");
             refused(&landing, Landing::initial_state(), is_named);
         }
     }
@@ -121,7 +124,7 @@ fn numbers_that_are_none_are_told_by_name() {
         for x in [-1.0, f64::NAN] {
             let mut landing = case_i();
             damage(&mut landing, x);
-            let is_named = |e: &LandingError| is_invalid(e, name, "must be between");
+            let is_named = |e: &Error| is_invalid(e, name, "must be between");
             refused(&landing, Landing::initial_state(), is_named);
         }
     }
@@ -129,7 +132,7 @@ fn numbers_that_are_none_are_told_by_name() {
     if let Controller::Lqr(regulator) = &mut landing.controller {
         regulator.gain[(2, 5)] = f64::NAN;
     }
-    let named = |e: &LandingError| is_invalid(e, "controller.gain", "must be finite");
+    let named = |e: &Error| is_invalid(e, "controller.gain", "must be finite");
     refused(&landing, Landing::initial_state(), named);
 }
 
@@ -170,14 +173,13 @@ fn endless_landings_are_refused() {
     let start = Landing::initial_state();
     let mut landing = case_i();
     let refused = landing.simulate_sampled(start, 1e-300, |_, state| *state);
-    assert_eq!(refused, Err(LandingError::TooManyMoments { t_end: 60.0, period: 1e-300 }));
+    let too_many =
+        |moments| Err(Must::BeAtMost(f64::from(MOST_MOMENTS)).broken_by("number of moments", moments).into());
+    assert_eq!(refused, too_many(60.0 / 1e-300));
     let refused = on(Superposition::MARINE).simulate_driven(start, &drive(), 1e-9, |_| ());
-    assert_eq!(refused, Err(LandingError::TooManyMoments { t_end: 60.0, period: 1e-9 }));
+    assert!(refused.is_err_and(|error| is_invalid(&error, "number of moments", "must be at most")));
     landing.t_end = f64::MAX;
-    assert_eq!(
-        landing.simulate(start, |_, _, _| ()),
-        Err(LandingError::TooManyMoments { t_end: f64::MAX, period: PERIOD })
-    );
+    assert_eq!(landing.simulate(start, |_, _, _| ()), too_many(f64::MAX / PERIOD));
     landing.t_end = PERIOD * f64::from(MOST_MOMENTS);
     assert!(landing.simulate(start, |_, _, _| ()).is_ok());
 }
@@ -186,19 +188,26 @@ fn endless_landings_are_refused() {
 fn decks_above_the_vehicle_and_decks_turned_over_are_refused() {
     let start = Landing::initial_state();
     let above = Superposition::heave(HOME[2] + 10.5, &[0.1], &[1.0]);
-    let is_above = |e: &LandingError| matches!(e, LandingError::NotAbove { height } if (height + 0.5).abs() < 1e-12);
+    let named = |e: &Error, name: &str| e.invalid().filter(|wrong| wrong.parameter == name).map(|wrong| wrong.value);
+    let is_above = |e: &Error| named(e, HEIGHT).is_some_and(|height| (height + 0.5).abs() < 1e-12);
     refused(&on(above), start, is_above);
     let driven = on(above).simulate_driven(start, &drive(), PERIOD, |_| ());
     assert!(driven.as_ref().is_err_and(is_above), "{driven:?}");
     // On its edge and upside down, from the beginning.
     for (angles, expected) in [([0.0, FRAC_PI_2, 0.0], 0.0), ([PI, 0.0, 0.0], -1.0), ([2.0, 0.0, 0.0], 2.0_f64.cos())] {
         let turned = Motion { mean: [0.0, 0.0, HOME[2], angles[0], angles[1], angles[2]], ..swing([0.0; 6]) };
-        let is_turned = |e: &LandingError| matches!(e, LandingError::Overturned { time: 0.0, upward } if (upward - expected).abs() < 1e-15);
+        let is_turned = |e: &Error| {
+            let upward = named(e, "upward component of the deck's normal");
+            e.at == Some(At::Time(0.0)) && upward.is_some_and(|upward| (upward - expected).abs() < 1e-15)
+        };
         refused(&on(turned), start, is_turned);
     }
     // On the way: the plane of the deck comes up to the vehicle.
     for sine in [[0.0, 0.0, 0.0, 1.8, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.8, 0.0]] {
-        let is_turned = |e: &LandingError| matches!(e, LandingError::Overturned { time, .. } if *time > 2.0);
+        let is_turned = |e: &Error| {
+            matches!(e.at, Some(At::Time(time)) if time > 2.0)
+                && named(e, "upward component of the deck's normal").is_some()
+        };
         refused(&on(swing(sine)), start, is_turned);
     }
 }
@@ -236,7 +245,10 @@ fn decks_that_are_lost_for_a_while_are_told_of() {
         for controller in [case_i().controller, regulated().controller] {
             let mut landing = Landing::on(Plant::Exact, Broken { damage, times: [2.0, 2.5] });
             landing.controller = controller;
-            refused(&landing, start, |e| matches!(e, LandingError::Deck { time } if *time > 2.0 && *time < 2.01));
+            refused(&landing, start, |e| {
+                e.failure == Failure::NotFinite("the deck")
+                    && matches!(e.at, Some(At::Time(time)) if time > 2.0 && time < 2.01)
+            });
         }
     }
 }
@@ -274,13 +286,18 @@ fn vehicles_upside_down_right_themselves() {
     for pitch in [FRAC_PI_2, -FRAC_PI_2, 1.6, PI] {
         let mut over = start;
         over.q[4] = pitch;
-        assert!(both(&case_i(), over).iter().all(|end| *end == Err(LandingError::Pitch { time: 0.0, pitch })));
+        let is_steep =
+            |e: &Error| e.at == Some(At::Time(0.0)) && e.invalid().is_some_and(|wrong| wrong.parameter == LEVEL);
+        assert!(both(&case_i(), over).iter().all(|end| end.as_ref().is_err_and(is_steep)), "{pitch}");
         let driven = on(Superposition::MARINE).simulate_driven(over, &drive(), PERIOD, |_| ());
-        assert_eq!(driven, Err(LandingError::Pitch { time: 0.0, pitch }));
+        assert!(driven.as_ref().is_err_and(is_steep), "{driven:?}");
     }
     let mut spinning = start;
     spinning.qd[4] = 60.0;
-    refused(&case_i(), spinning, |e| matches!(e, LandingError::Pitch { time, .. } if *time > 0.0 && *time < 0.1));
+    refused(&case_i(), spinning, |e| {
+        matches!(e.at, Some(At::Time(time)) if time > 0.0 && time < 0.1)
+            && e.invalid().is_some_and(|wrong| wrong.parameter == LEVEL)
+    });
 }
 
 /// What a period does not resolve is not taken for a landing.
@@ -288,30 +305,24 @@ fn vehicles_upside_down_right_themselves() {
 fn motions_that_are_not_resolved_are_no_landings() {
     let start = Landing::initial_state();
     let coarse = case_i().simulate_sampled(start, 5.0, |_, state| *state);
-    assert!(
-        matches!(coarse, Err(LandingError::Unresolved { relative_velocity, .. }) if relative_velocity > 1.0),
-        "{coarse:?}"
-    );
+    let leaves = |e: &Error| e.invalid().is_some_and(|wrong| wrong.parameter == LEAVING && wrong.value > 1.0);
+    assert!(coarse.as_ref().is_err_and(leaves), "{coarse:?}");
     // A deck that says that it sinks, and rises.
     let unlike = Broken { damage: |deck| deck.velocity[2] -= 3.0, times: [-1.0, f64::INFINITY] };
     let mut landing = Landing::on(Plant::Exact, unlike);
     landing.controller = case_i().controller;
-    refused(
-        &landing,
-        start,
-        |e| matches!(e, LandingError::Unresolved { relative_velocity, .. } if *relative_velocity > 1.0),
-    );
+    refused(&landing, start, leaves);
     // Huge winds, and heaves faster than anything: NaN, or what such a deck does.
     let mut windy = case_i();
     windy.wind[0] = 1e200;
-    refused(&windy, start, |e| matches!(e, LandingError::Integration(_)));
+    refused(&windy, start, |e| matches!(e.failure, Failure::Integration(_)));
     let rising = Landing::new(Plant::Exact, Heave { amplitude: [1e3; 4], frequency: [1.0; 4] });
     let hit = rising.simulate(start, |_, _, _| ()).expect("a touchdown");
     // 10 m at 4000 m/s.
     close(hit.time, 0.0025, 1e-5);
     close(hit.relative_velocity, -4000.0, 1.0);
     let frantic = Landing::new(Plant::Exact, Heave { amplitude: [1.0; 4], frequency: [1e300; 4] });
-    refused(&frantic, start, |e| matches!(e, LandingError::Deck { time: 0.0 }));
+    refused(&frantic, start, |e| *e == Failure::NotFinite("the deck").at_time(0.0));
 }
 
 #[test]
@@ -335,7 +346,10 @@ fn ground_effect_is_bounded_by_its_least_height() {
     close(huge.time - without.time, above / still.approach.sink_rate, 1e-3);
     // Right above a quarter of a radius nothing comes through.
     let closed = with(GroundEffect::with_least_height(0.4, 0.25_f64.next_up()).expect("rotors"));
-    assert!(matches!(closed, Err(LandingError::NoTouchdown { height, .. }) if height > 0.1), "{closed:?}");
+    assert!(
+        matches!(closed, Err(Error { failure: Failure::NoContact { distance }, .. }) if distance > 0.1),
+        "{closed:?}"
+    );
     let nothing = GroundEffect::new(0.4).expect("rotors");
     assert!(nothing.factor(f64::NAN).is_nan() && nothing.factor(1e308) == 1.0 && nothing.factor(-1e308) == 4.0 / 3.0);
 }
@@ -348,21 +362,22 @@ fn platforms_in_singular_poses_are_refused() {
     let yawed = Motion { mean: [0.0, 0.0, HOME[2], 0.0, 0.0, FRAC_PI_2], ..swing([0.0; 6]) };
     for singular in [yawed, Motion { mean: [0.0; 6], ..yawed }] {
         let end = driven(singular);
-        let is_refused = matches!(end, Err(LandingError::Platform { time: 0.0, error: PoseError::Singular { .. } }));
+        let is_refused = matches!(end, Err(Error { failure: Failure::Singular { .. }, at: Some(At::Time(0.0)) }));
         assert!(is_refused, "{end:?}");
     }
     // In yaw, through the base, over the edge in pitch.
     for sine in [[0.0, 0.0, 0.0, 0.0, 0.0, 3.1], [0.0, 0.0, 1.45, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 0.0, 1.8, 0.0]] {
         let end = driven(swing(sine));
-        let Err(LandingError::ThroughSingularity { time, determinant, before }) = end else { panic!("{end:?}") };
-        assert!(time > 0.5 && determinant * before < 0.0, "{end:?}");
+        let error = end.expect_err("through a singular pose");
+        assert!(matches!(error.at, Some(At::Time(time)) if time > 0.5), "{error}");
+        assert!(error.invalid().is_some_and(|wrong| wrong.parameter == SIDE && wrong.value < 0.0), "{error}");
     }
     // Poses too far for their squares, and none.
     let far = |x: f64| Motion { mean: [x, 0.0, HOME[2], 0.0, 0.0, 0.0], ..yawed };
     let end = driven(far(1e200));
-    assert_eq!(end, Err(LandingError::Platform { time: 0.0, error: PoseError::NonFinite }));
-    assert_eq!(driven(far(f64::NAN)), Err(LandingError::Deck { time: 0.0 }));
-    assert_eq!(driven(far(f64::INFINITY)), Err(LandingError::Deck { time: 0.0 }));
+    assert_eq!(end, Err(NOT_FINITE.at_time(0.0)));
+    assert_eq!(driven(far(f64::NAN)), Err(Failure::NotFinite("the deck").at_time(0.0)));
+    assert_eq!(driven(far(f64::INFINITY)), Err(Failure::NotFinite("the deck").at_time(0.0)));
 }
 
 #[test]

@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::wind::{Gusts, Shear, Turbulence, Wind};
+use mbs_models::{At, Error, Failure};
 use mbs_tests::random::Random;
 
 /// Normal deviates by Box and Muller.
@@ -129,5 +130,8 @@ fn a_landing_in_a_wind_that_stays_is_that_in_steady_wind() {
         |_, state| *state,
         |t, _| if t < 1.0 { [0.0; 3] } else { [0.0, f64::NAN, 0.0] },
     );
-    assert!(matches!(lost, Err(LandingError::Wind { time }) if (time - 1.0).abs() < 1e-9), "{lost:?}");
+    assert!(
+        matches!(lost, Err(Error { failure: Failure::NotFinite("the wind"), at: Some(At::Time(time)) }) if (time - 1.0).abs() < 1e-9),
+        "{lost:?}"
+    );
 }

@@ -5,9 +5,10 @@ use std::cell::RefCell;
 use mbs_chart::{Figure, Line, Panel};
 use mbs_landing::quadrotor::deck::HeavingDeck;
 use mbs_landing::quadrotor::heave::Heave;
-use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_landing::quadrotor::wind::{Gusts, Shear, Wind};
+use mbs_models::Error;
 use rand::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
@@ -69,7 +70,7 @@ fn landed(
     wind: &Wind,
     seed: u64,
     mut see: impl FnMut(Gust),
-) -> Result<Touchdown, LandingError> {
+) -> Result<Touchdown, Error> {
     let mut random = Pcg64Mcg::seed_from_u64(seed);
     let mut deviates = move || -> [f64; 5] { std::array::from_fn(|_| StandardNormal.sample(&mut random)) };
     let mut gusts = Gusts::stationary(&deviates());

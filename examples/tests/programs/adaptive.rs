@@ -3,11 +3,6 @@
 use crate::support::{good, json, keys, numbers};
 use serde_json::Value;
 
-/// A part of the program with a test of its own.
-#[allow(dead_code, reason = "the program uses the rest")]
-#[path = "../../adaptive/rotors.rs"]
-mod rotors;
-
 const ADAPTIVE: &str = env!("CARGO_BIN_EXE_adaptive");
 
 fn number(value: &Value) -> f64 {

@@ -16,5 +16,5 @@ pub mod cell;
 pub mod contact;
 pub mod whitney;
 
-pub use cell::{Cell, Impedance, Unreachable, Wanted, Wrist};
+pub use cell::{Cell, Impedance, Wanted, Wrist};
 pub use contact::{Contact, Forces, Hole, Peg, PegMotion};

@@ -41,10 +41,11 @@ mod solutions;
 
 use core::f64::consts::{PI, TAU};
 
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::attitude::{NotARotation, ROTATION_TOLERANCE, check_rotation, orthonormalized_within};
 use mbs_runtime::{Pose, Scalar};
 
-pub use solutions::{OutsideLimits, Solutions};
+pub use solutions::{EXCESS, Solutions};
 
 use super::{A1, A2, A3, D1, D4, D6, JointVector};
 
@@ -128,40 +129,6 @@ pub struct Solution {
     pub singular: Singularities,
 }
 
-/// Why a pose has no configuration.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Unsolvable {
-    /// A component of the position is infinite or NaN.
-    #[error("component {component} of the position is infinite or NaN")]
-    NonFinitePosition {
-        /// Which, counted from 0.
-        component: usize,
-    },
-    /// The rotation is none.
-    #[error(transparent)]
-    Rotation(#[from] NotARotation),
-    /// An angle of [`InverseKinematics::reference`] that may be needed, the first or the fourth, is infinite or NaN.
-    #[error("the reference of joint {joint} must be finite, found {value} rad")]
-    NonFiniteReference {
-        /// Of which joint, counted from 0.
-        joint: usize,
-        /// The angle \[rad\].
-        value: f64,
-    },
-    /// The wrist centre is farther from axis 2 than the stretched arm reaches, even with the shoulder that is nearer.
-    #[error("the wrist is out of reach by {by} m")]
-    TooFar {
-        /// By how much \[m\].
-        by: f64,
-    },
-    /// The wrist centre is nearer to axis 2 than the folded arm reaches, with either shoulder.
-    #[error("the wrist is too near to the shoulder by {by} m")]
-    TooNear {
-        /// By how much \[m\].
-        by: f64,
-    },
-}
-
 /// What becomes of a matrix that is not quite a rotation. Tolerances are of the largest entry of `RᵀR − 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Inexact {
@@ -205,20 +172,15 @@ impl InverseKinematics {
     /// | `pose`   | of the flange, in the axes of the base       | m    |
     ///
     /// # Errors
-    /// [`Unsolvable`]: a rotation that is none or not near enough to one, a position that is not finite or out of
+    /// [`Error`]: a rotation that is none or not near enough to one, a position that is not finite or out of
     /// reach, a reference that is not finite, whether this pose needs it or not.
-    pub fn solve(&self, pose: &Pose<f64>) -> Result<Solutions, Unsolvable> {
+    pub fn solve(&self, pose: &Pose<f64>) -> Result<Solutions, Error> {
         for joint in [0, 3] {
-            let value = self.reference[joint];
-            if !value.is_finite() {
-                return Err(Unsolvable::NonFiniteReference { joint, value });
-            }
+            check::finite("reference of joint", self.reference[joint]).map_err(|error| error.of(joint))?;
         }
         let h = self.rotation(&pose.rotation)?;
         let p = &pose.position;
-        if let Some(component) = p.iter().position(|x| !x.is_finite()) {
-            return Err(Unsolvable::NonFinitePosition { component });
-        }
+        check::finite("position", *p)?;
         let wrist = [p[0] - D6 * h[0][2], p[1] - D6 * h[1][2], p[2] - D6 * h[2][2]];
 
         let distance = Scalar::sqrt(wrist[0] * wrist[0] + wrist[1] * wrist[1]);
@@ -236,7 +198,9 @@ impl InverseKinematics {
         // With the wrist on axis 1 the other shoulder is the same motion, half a turn further.
         let back = if on_axis_1 { front } else { self.reach(&facing.turned(distance), &h, false, &mut solutions) };
         match (front, back) {
-            (Err(front), Err(back)) => Err(if front.by() <= back.by() { front } else { back }),
+            (Err(front), Err(back)) => {
+                Err(if out_of_reach(&front) <= out_of_reach(&back) { front } else { back }.into())
+            }
             _ => Ok(solutions),
         }
     }
@@ -256,7 +220,7 @@ impl InverseKinematics {
         h: &[[f64; 3]; 3],
         on_axis_1: bool,
         solutions: &mut Solutions,
-    ) -> Result<(), Unsolvable> {
+    ) -> Result<(), Failure> {
         let triangle = Triangle::new(facing.x, facing.y)?;
         // The attitude in the axes of the arm's plane: rows along it, across it, and up.
         let (c, s) = (facing.cos_1, facing.sin_1);
@@ -373,16 +337,16 @@ struct Bent {
 
 impl Triangle {
     #[inline]
-    fn new(x: f64, y: f64) -> Result<Self, Unsolvable> {
+    fn new(x: f64, y: f64) -> Result<Self, Failure> {
         let square = x * x + y * y;
         let rho = Scalar::sqrt(square);
         let short = (A2 + L1) - rho;
         let excess = rho - (A2 - L1).abs();
         if short < -REACH_TOLERANCE {
-            return Err(Unsolvable::TooFar { by: -short });
+            return Err(Failure::TooFar { by: -short });
         }
         if excess < -REACH_TOLERANCE {
-            return Err(Unsolvable::TooNear { by: -excess });
+            return Err(Failure::TooNear { by: -excess });
         }
         // (a₂ + l₁)² − ρ² and ρ² − (a₂ − l₁)², whose sum is 4 a₂ l₁.
         let short = Scalar::sqrt(short.max(0.0) * ((A2 + L1) + rho));
@@ -418,12 +382,11 @@ impl Triangle {
     }
 }
 
-impl Unsolvable {
-    fn by(&self) -> f64 {
-        match *self {
-            Self::TooFar { by } | Self::TooNear { by } => by,
-            Self::NonFinitePosition { .. } | Self::NonFiniteReference { .. } | Self::Rotation(_) => f64::INFINITY,
-        }
+/// How far a pose is out of reach \[m\].
+fn out_of_reach(failure: &Failure) -> f64 {
+    match *failure {
+        Failure::TooFar { by } | Failure::TooNear { by } => by,
+        _ => f64::INFINITY,
     }
 }
 
@@ -482,12 +445,10 @@ mod tests {
                 for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
                     let mut reference = [0.0; 6];
                     reference[joint] = value;
-                    match (InverseKinematics { reference, ..Default::default() }).solve(&pose) {
-                        Err(Unsolvable::NonFiniteReference { joint: found, value: angle }) => {
-                            assert_eq!((found, angle.to_bits()), (joint, value.to_bits()));
-                        }
-                        other => panic!("joint {joint} at {value}: {other:?}"),
-                    }
+                    let refused = (InverseKinematics { reference, ..Default::default() }).solve(&pose).unwrap_err();
+                    let found = refused.invalid().expect("a number");
+                    assert_eq!((found.parameter, found.index), ("reference of joint", Some(joint)));
+                    assert_eq!(found.value.to_bits(), value.to_bits());
                 }
             }
             // The other angles are not asked for.

@@ -28,7 +28,7 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, section 3.3.
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::{Pose, Scalar, to_matrix, to_vector};
 use nalgebra::{Matrix6, SVD, Vector3, Vector6};
 
@@ -37,25 +37,6 @@ use super::{A1, A2, A3, Arm, D1, D4, D6, JointVector};
 
 /// Rows of `v`, then of `ω`; columns are joints.
 pub type Jacobian = [[f64; 6]; 6];
-
-/// Why joint velocities or flange forces do not follow from the other side.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SingularJacobian {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Motions of the flange are lost, or nearly.
-    #[error("the arm is singular: singular values of the Jacobian from {largest} down to {smallest:e}")]
-    Singular {
-        /// The smallest singular value.
-        smallest: f64,
-        /// The largest one.
-        largest: f64,
-    },
-    /// An angle, or a component of what was to be carried over, is infinite or NaN.
-    #[error("an angle or a component is infinite or NaN")]
-    NonFinite,
-}
 
 /// How small the smallest singular value is, against the largest, where the Jacobian counts as singular: of what is
 /// carried over, half of the digits would be left.
@@ -223,9 +204,9 @@ impl Arm {
     /// `J⁻¹ [v; ω]`.
     ///
     /// # Errors
-    /// [`SingularJacobian`] where the smallest singular value is below [`SINGULAR`] of the largest, or something is not
+    /// [`Error`] where the smallest singular value is below [`SINGULAR`] of the largest, or something is not
     /// finite.
-    pub fn joint_velocity(&self, q: &JointVector, twist: &[f64; 6]) -> Result<JointVector, SingularJacobian> {
+    pub fn joint_velocity(&self, q: &JointVector, twist: &[f64; 6]) -> Result<JointVector, Error> {
         let (u, values, v_t) = self.regular(q, twist)?;
         let along = u.tr_mul(&to_vector(twist)).component_div(&values);
         Ok(finite(v_t.tr_mul(&along))?.into())
@@ -242,18 +223,12 @@ impl Arm {
     /// | `damping` | `λ`                                         | m, or 1    |
     ///
     /// # Errors
-    /// [`SingularJacobian::Invalid`] if `λ` is not positive, [`SingularJacobian::NonFinite`] if something is not
-    /// finite.
+    /// [`Failure::Invalid`] if `λ` is not positive, [`Failure::NotFinite`] if something is not finite.
     ///
     /// # Source
     /// Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
     /// control*, Journal of Dynamic Systems, Measurement, and Control 108:3, 1986.
-    pub fn joint_velocity_damped(
-        &self,
-        q: &JointVector,
-        twist: &[f64; 6],
-        damping: f64,
-    ) -> Result<JointVector, SingularJacobian> {
+    pub fn joint_velocity_damped(&self, q: &JointVector, twist: &[f64; 6], damping: f64) -> Result<JointVector, Error> {
         check::positive("damping", damping)?;
         let (u, values, v_t) = self.decomposed(q, twist)?;
         // σ/(σ² + λ²), of which nothing is lost where σ vanishes.
@@ -272,26 +247,30 @@ impl Arm {
     /// The force \[N\] and the moment \[N·m\] on the flange that are worth these joint torques \[N·m\]: `J⁻ᵀ τ`.
     ///
     /// # Errors
-    /// [`SingularJacobian`], as [`joint_velocity`](Self::joint_velocity).
-    pub fn flange_wrench(&self, q: &JointVector, torque: &JointVector) -> Result<[f64; 6], SingularJacobian> {
+    /// [`Error`], as [`joint_velocity`](Self::joint_velocity).
+    pub fn flange_wrench(&self, q: &JointVector, torque: &JointVector) -> Result<[f64; 6], Error> {
         let (u, values, v_t) = self.regular(q, torque)?;
         Ok(finite(u * (v_t * to_vector(torque)).component_div(&values))?.into())
     }
 
     /// `U`, the singular values and `Vᵀ` of the Jacobian, where it can be inverted.
-    fn regular(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, SingularJacobian> {
+    fn regular(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, Error> {
         let factors = self.decomposed(q, of)?;
         let (smallest, largest) = (factors.1[5], factors.1[0]);
-        if smallest > SINGULAR * largest { Ok(factors) } else { Err(SingularJacobian::Singular { smallest, largest }) }
+        if smallest > SINGULAR * largest {
+            Ok(factors)
+        } else {
+            Err(Failure::Singular { of: "the arm", smallest, largest }.into())
+        }
     }
 
     /// `U`, the singular values and `Vᵀ` of the Jacobian, where all numbers are finite.
-    fn decomposed(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, SingularJacobian> {
+    fn decomposed(&self, q: &JointVector, of: &[f64; 6]) -> Result<Factorization, Error> {
         if !of.iter().all(|x| x.is_finite()) {
-            return Err(SingularJacobian::NonFinite);
+            return Err(NOT_FINITE.into());
         }
-        let svd = decomposition(&self.jacobian(q), true).ok_or(SingularJacobian::NonFinite)?;
-        let (u, v_t) = svd.u.zip(svd.v_t).ok_or(SingularJacobian::NonFinite)?;
+        let svd = decomposition(&self.jacobian(q), true).ok_or(NOT_FINITE)?;
+        let (u, v_t) = svd.u.zip(svd.v_t).ok_or(NOT_FINITE)?;
         Ok((u, svd.singular_values, v_t))
     }
 }
@@ -307,9 +286,11 @@ fn decomposition(jacobian: &Jacobian, with_vectors: bool) -> Option<Decompositio
     SVD::try_new(to_matrix(jacobian), with_vectors, with_vectors, f64::EPSILON, SVD_STEPS)
 }
 
+const NOT_FINITE: Failure = Failure::NotFinite("an angle, or a component of what is to be carried over,");
+
 /// Far above the few steps a 6 × 6 matrix takes.
 const SVD_STEPS: usize = 1000;
 
-fn finite(x: Vector6<f64>) -> Result<Vector6<f64>, SingularJacobian> {
-    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(SingularJacobian::NonFinite) }
+fn finite(x: Vector6<f64>) -> Result<Vector6<f64>, Error> {
+    if x.iter().all(|x| x.is_finite()) { Ok(x) } else { Err(NOT_FINITE.into()) }
 }

@@ -47,9 +47,10 @@ pub mod limits;
 pub mod printed;
 pub mod trajectory;
 
+use mbs_models::Error;
 use mbs_runtime::Pose;
 
-pub use inverse::{InverseKinematics, Solution, Solutions, Unsolvable};
+pub use inverse::{InverseKinematics, Solution, Solutions};
 pub use limits::JointLimits;
 use mbs_models::irb7600::Irb7600;
 
@@ -99,9 +100,9 @@ impl Arm {
     /// All configurations that reach a pose of the flange: [`InverseKinematics::solve`] with its default options.
     ///
     /// # Errors
-    /// [`Unsolvable`] where the pose is none, or out of reach.
+    /// [`Error`] where the pose is none, or out of reach.
     #[inline]
-    pub fn inverse(&self, pose: &Pose<f64>) -> Result<Solutions, Unsolvable> {
+    pub fn inverse(&self, pose: &Pose<f64>) -> Result<Solutions, Error> {
         InverseKinematics::default().solve(pose)
     }
 }

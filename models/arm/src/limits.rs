@@ -3,6 +3,7 @@
 use core::f64::consts::TAU;
 
 use super::JointVector;
+use mbs_models::check::{Invalid, Must};
 
 /// Ranges of the joint angles, and bounds of the magnitudes of their rates, accelerations and torques.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,29 +18,6 @@ pub struct JointLimits {
     pub acceleration: JointVector,
     /// Largest torques \[N·m\].
     pub torque: JointVector,
-}
-
-/// Limits that nothing can keep.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum InvalidLimits {
-    /// The range of a joint is empty, or NaN bounds it.
-    #[error("joint {joint} has the range {lower} to {upper} rad")]
-    Range {
-        /// Which, counted from 0.
-        joint: usize,
-        /// Its smallest angle \[rad\].
-        lower: f64,
-        /// Its largest angle \[rad\].
-        upper: f64,
-    },
-    /// A speed, an acceleration or a torque is not positive.
-    #[error("speed, acceleration and torque of joint {joint} must be positive, found {bound}")]
-    Bound {
-        /// Of which joint, counted from 0.
-        joint: usize,
-        /// The bound \[rad/s, rad/s² or N·m\].
-        bound: f64,
-    },
 }
 
 /// How far past a limit an angle counts as on it \[rad\]: what rounding may add to an angle that was computed.
@@ -75,23 +53,15 @@ impl JointLimits {
     /// Whether every range holds an angle, and every bound is positive; infinite ones are.
     ///
     /// # Errors
-    /// [`InvalidLimits`], the first joint that has others.
-    pub fn check(&self) -> Result<(), InvalidLimits> {
+    /// [`Invalid`], the first that is not so.
+    pub fn check(&self) -> Result<(), Invalid> {
         for joint in 0..6 {
             let (lower, upper) = (self.lower[joint], self.upper[joint]);
-            // NaN compares false.
-            let in_order = lower <= upper;
-            if !in_order {
-                return Err(InvalidLimits::Range { joint, lower, upper });
-            }
-            for bound in [self.speed[joint], self.acceleration[joint], self.torque[joint]] {
-                let positive = bound > 0.0;
-                if !positive {
-                    return Err(InvalidLimits::Bound { joint, bound });
-                }
-            }
+            Must::BeAtLeast(lower).check("largest angle of joint", upper).map_err(|error| error.of(joint))?;
         }
-        Ok(())
+        Must::BeMoreThan(0.0).check("largest speed of joint", self.speed)?;
+        Must::BeMoreThan(0.0).check("largest acceleration of joint", self.acceleration)?;
+        Must::BeMoreThan(0.0).check("largest torque of joint", self.torque)
     }
 
     /// How far the angle is out of the joint's range, turned as near to it as whole turns bring it \[rad\]; zero
@@ -215,13 +185,14 @@ mod tests {
         assert_eq!(limits.check(), Ok(()));
         let mut crossed = limits;
         crossed.upper[2] = -4.0;
-        assert_eq!(crossed.check(), Err(InvalidLimits::Range { joint: 2, lower: limits.lower[2], upper: -4.0 }));
+        let range = Must::BeAtLeast(limits.lower[2]).broken_by("largest angle of joint", -4.0).of(2);
+        assert_eq!(crossed.check(), Err(range));
         let mut still = limits;
         still.torque[5] = 0.0;
-        assert_eq!(still.check(), Err(InvalidLimits::Bound { joint: 5, bound: 0.0 }));
+        assert_eq!(still.check(), Err(Must::BeMoreThan(0.0).broken_by("largest torque of joint", 0.0).of(5)));
         let mut unknown = limits;
         unknown.lower[1] = f64::NAN;
-        assert!(matches!(unknown.check(), Err(InvalidLimits::Range { joint: 1, .. })));
+        assert!(matches!(unknown.check(), Err(Invalid { index: Some(1), must: Must::BeAtLeast(_), .. })));
     }
 
     #[test]

@@ -28,10 +28,9 @@
 //! assert!((speed.time - 4.0 / 3.0).abs() < 1e-15 && (speed.value - 16.0 / 18.0).abs() < 1e-15);
 //! // The acceleration at the stop is an output: −12 D/T².
 //! assert_eq!(motion.at(2.0)?.qdd, [-3.0]);
-//! # Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+//! # Ok::<(), mbs_models::Error>(())
 //! ```
 
-mod error;
 mod path;
 mod piecewise;
 mod polynomial;
@@ -48,9 +47,9 @@ pub mod sign_change;
 pub mod time_optimal;
 pub mod work;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::Error;
+use mbs_models::check::{Invalid, Must};
 
-pub use error::{Quantity, TrajectoryError};
 pub use path::{AlongPath, JointPath, PathPoint, StraightPath};
 pub use piecewise::{Extrema, Extremum, Piecewise};
 pub use quartic::{quartic, two_piece_quartic};
@@ -77,6 +76,17 @@ impl<const N: usize> JointState<N> {
     }
 }
 
+/// What [`Failure`](mbs_models::Failure) calls the number of intervals of a grid.
+pub const INTERVALS: &str = "intervals";
+/// What [`Failure`](mbs_models::Failure) calls a joint angle \[rad\].
+pub const POSITION: &str = "position of joint";
+/// What [`Failure`](mbs_models::Failure) calls a joint velocity \[rad/s\].
+pub const VELOCITY: &str = "velocity of joint";
+/// What [`Failure`](mbs_models::Failure) calls a joint acceleration \[rad/s²\].
+pub const ACCELERATION: &str = "acceleration of joint";
+/// What [`Failure`](mbs_models::Failure) calls a joint torque \[N·m\].
+pub const TORQUE: &str = "torque of joint";
+
 /// The joints as functions of time, from 0 to a duration.
 pub trait Motion<const N: usize> {
     /// How long it lasts \[s\], positive.
@@ -85,15 +95,15 @@ pub trait Motion<const N: usize> {
     /// The joints at the time `t`.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutsideDuration`] if `t` is before 0, after the duration, or NaN.
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError>;
+    /// [`Failure::Invalid`](mbs_models::Failure::Invalid) if `t` is before 0, after the duration, or NaN.
+    fn at(&self, t: f64) -> Result<JointState<N>, Error>;
 
     /// The joints at the time `t`, at rest before the start and after the stop: what a controller follows that does not
     /// stop asking.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutsideDuration`] if `t` is NaN.
-    fn held_at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    /// [`Failure::Invalid`](mbs_models::Failure::Invalid) if `t` is NaN.
+    fn held_at(&self, t: f64) -> Result<JointState<N>, Error> {
         if (0.0..=self.duration()).contains(&t) || t.is_nan() {
             return self.at(t);
         }
@@ -106,7 +116,7 @@ impl<const N: usize, M: Motion<N> + ?Sized> Motion<N> for &M {
         (**self).duration()
     }
 
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<N>, Error> {
         (**self).at(t)
     }
 }
@@ -122,29 +132,8 @@ pub struct RateLimits<const N: usize> {
 
 impl<const N: usize> RateLimits<N> {
     /// Positive numbers all of them; infinite where a joint has no limit.
-    pub(crate) fn check(&self) -> Result<(), TrajectoryError> {
-        check_limits(Quantity::Velocity, &self.speed)?;
-        check_limits(Quantity::Acceleration, &self.acceleration)
-    }
-}
-
-/// Limits that are positive, infinite ones included.
-pub(crate) fn check_limits(quantity: Quantity, limits: &[f64]) -> Result<(), TrajectoryError> {
-    for (joint, &value) in limits.iter().enumerate() {
-        if value.is_nan() || value <= 0.0 {
-            return Err(TrajectoryError::InvalidLimit { quantity, joint, value });
-        }
-    }
-    Ok(())
-}
-
-fn check_duration(duration: f64) -> Result<(), Invalid> {
-    check::positive("duration", duration)
-}
-
-fn check_finite(quantity: Quantity, values: &[f64]) -> Result<(), TrajectoryError> {
-    match values.iter().position(|value| !value.is_finite()) {
-        Some(joint) => Err(TrajectoryError::NonFinite { quantity, joint }),
-        None => Ok(()),
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
+        Must::BeMoreThan(0.0).check("largest speed", self.speed)?;
+        Must::BeMoreThan(0.0).check("largest acceleration", self.acceleration)
     }
 }

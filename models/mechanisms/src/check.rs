@@ -35,6 +35,22 @@ pub enum Must {
     NotBeNegative,
     /// Neither less than the first nor more than the second.
     BeWithin([f64; 2]),
+    /// This or more.
+    BeAtLeast(f64),
+    /// This or less.
+    BeAtMost(f64),
+    /// More than this.
+    BeMoreThan(f64),
+    /// Less than this.
+    BeLessThan(f64),
+}
+
+impl Invalid {
+    /// The same of one of several, counted from 0.
+    #[must_use]
+    pub const fn of(self, index: usize) -> Self {
+        Self { index: Some(index), ..self }
+    }
 }
 
 impl Must {
@@ -50,10 +66,18 @@ impl Must {
             Self::BePositive => value > 0.0 && value.is_finite(),
             Self::NotBeNegative => value >= 0.0 && value.is_finite(),
             Self::BeWithin([least, greatest]) => least <= value && value <= greatest,
+            Self::BeAtLeast(least) => value >= least,
+            Self::BeAtMost(most) => value <= most,
+            Self::BeMoreThan(bound) => value > bound,
+            Self::BeLessThan(bound) => value < bound,
         }
     }
 
-    fn check(self, parameter: &'static str, values: impl Numbers) -> Result<(), Invalid> {
+    /// Refuses a number for which this does not hold.
+    ///
+    /// # Errors
+    /// [`Invalid`], the first of these.
+    pub fn check(self, parameter: &'static str, values: impl Numbers) -> Result<(), Invalid> {
         let values = values.numbers();
         match values.iter().position(|&value| !self.holds(value)) {
             Some(at) => {
@@ -114,6 +138,17 @@ pub fn within(parameter: &'static str, values: impl Numbers, range: [f64; 2]) ->
     Must::BeWithin(range).check(parameter, values)
 }
 
+/// Refuses by one check what is given by name, one after the other.
+///
+/// # Errors
+/// [`Invalid`], the first that the check refuses.
+pub fn each(
+    check: fn(&'static str, f64) -> Result<(), Invalid>,
+    parameters: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), Invalid> {
+    parameters.into_iter().try_for_each(|(parameter, value)| check(parameter, value))
+}
+
 impl fmt::Display for Invalid {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.parameter)?;
@@ -127,6 +162,10 @@ impl fmt::Display for Invalid {
             Must::NotBeNegative if self.value.is_finite() => f.write_str(" must not be negative")?,
             Must::NotBeNegative => f.write_str(" must be finite and not negative")?,
             Must::BeWithin([least, greatest]) => write!(f, " must be between {least} and {greatest}")?,
+            Must::BeAtLeast(least) => write!(f, " must be at least {least}")?,
+            Must::BeAtMost(most) => write!(f, " must be at most {most}")?,
+            Must::BeMoreThan(bound) => write!(f, " must be more than {bound}")?,
+            Must::BeLessThan(bound) => write!(f, " must be less than {bound}")?,
         }
         write!(f, ", it is {}", self.value)
     }

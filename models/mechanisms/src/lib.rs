@@ -7,6 +7,11 @@
 #![no_std]
 
 pub mod check;
+#[cfg(any(feature = "std", feature = "libm"))]
+mod error;
+
+#[cfg(any(feature = "std", feature = "libm"))]
+pub use error::{At, Error, Failure};
 
 include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));
 include!(concat!(env!("OUT_DIR"), "/marine_platform.rs"));

@@ -15,31 +15,13 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use super::integrals::product;
 use super::kepler::{is_odd, rounded};
 use super::universal::{Shape, Universal, asinh};
-
-/// Why there is no such anomaly.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum AnomalyError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// A parabola or hyperbola does not reach this true anomaly.
-    #[error("the true anomaly {true_anomaly} rad is not within ±{limit} rad, where the asymptotes are")]
-    BeyondAsymptote {
-        /// The true anomaly \[rad\].
-        true_anomaly: f64,
-        /// Less than this, either way \[rad\].
-        limit: f64,
-    },
-    /// What was asked for is too large for `f64`.
-    #[error("the anomaly leaves the range of floating-point numbers")]
-    OutOfRange,
-}
 
 /// The parabola on which `s = D`: `√μ t = s/2 + s³/6` is half of the mean anomaly.
 const PARABOLA: Shape = Shape { alpha: 0.0, q: 0.5, e: 1.0 };
@@ -89,13 +71,18 @@ fn half_angle(e: f64, half: f64) -> f64 {
     Scalar::atan2(Scalar::sqrt(1.0 - e) * sin, Scalar::sqrt(1.0 + e) * cos)
 }
 
-fn check(e: f64, anomaly: f64) -> Result<(), AnomalyError> {
+fn check(e: f64, anomaly: f64) -> Result<(), Error> {
     check::not_negative("eccentricity", e)?;
     Ok(check::finite("anomaly", anomaly)?)
 }
 
-fn finite(anomaly: f64) -> Result<f64, AnomalyError> {
-    if anomaly.is_finite() { Ok(anomaly) } else { Err(AnomalyError::OutOfRange) }
+/// The true anomaly that an open orbit tends to \[rad\].
+pub(super) fn asymptote(e: f64) -> f64 {
+    2.0 * Scalar::atan2(Scalar::sqrt(e + 1.0), Scalar::sqrt(e - 1.0))
+}
+
+fn finite(anomaly: f64) -> Result<f64, Error> {
+    if anomaly.is_finite() { Ok(anomaly) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// The anomaly in between of a true anomaly: E or H \[rad\], or D.
@@ -106,8 +93,8 @@ fn finite(anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `true_anomaly` | ν                       | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`].
-pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
+/// [`Error`].
+pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, Error> {
     check(e, true_anomaly)?;
     if e < 1.0 {
         return Ok(within_half_a_turn(true_anomaly, |rest| 2.0 * half_angle(e, 0.5 * rest)));
@@ -118,7 +105,7 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
     let (near, far) = (more * cos - less * sin.abs(), more * cos + less * sin.abs());
     // Beyond half a turn cosines repeat themselves.
     if !(near > 0.0 && true_anomaly.abs() <= PI) {
-        return Err(AnomalyError::BeyondAsymptote { true_anomaly, limit: 2.0 * Scalar::atan2(more, less) });
+        return Err(Must::BeLessThan(asymptote(e)).broken_by("|true_anomaly|", true_anomaly.abs()).into());
     }
     finite(if e > 1.0 {
         asinh(2.0 * (less * sin / near) * (more * cos / far))
@@ -135,8 +122,8 @@ pub fn eccentric_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyErro
 /// | `anomaly` | E, D or H               | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
-pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, Error> {
     check(e, anomaly)?;
     if e < 1.0 {
         return Ok(within_half_a_turn(anomaly, |rest| 2.0 * half_angle(-e, 0.5 * rest)));
@@ -153,8 +140,8 @@ pub fn true_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `anomaly` | E, D or H               | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
-pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, Error> {
     check(e, anomaly)?;
     let time = |shape: Shape, s: f64| shape.time(s, &Universal::at(s, shape.alpha));
     finite(if e < 1.0 {
@@ -174,8 +161,8 @@ pub fn mean_from_eccentric(e: f64, anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `mean`   | mean anomaly            | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
-pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, Error> {
     check(e, mean)?;
     finite(if e < 1.0 {
         from_nearer_apsis(e, mean, |e, rest| ellipse(e).place(rest).s)
@@ -194,8 +181,8 @@ pub fn eccentric_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
 /// | `true_anomaly` | ν                       | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`].
-pub fn mean_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
+/// [`Error`].
+pub fn mean_from_true(e: f64, true_anomaly: f64) -> Result<f64, Error> {
     mean_from_eccentric(e, eccentric_from_true(e, true_anomaly)?)
 }
 
@@ -207,7 +194,7 @@ pub fn mean_from_true(e: f64, true_anomaly: f64) -> Result<f64, AnomalyError> {
 /// | `mean`   | mean anomaly            | rad  |
 ///
 /// # Errors
-/// [`AnomalyError`], not [`BeyondAsymptote`](AnomalyError::BeyondAsymptote).
-pub fn true_from_mean(e: f64, mean: f64) -> Result<f64, AnomalyError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn true_from_mean(e: f64, mean: f64) -> Result<f64, Error> {
     true_from_eccentric(e, eccentric_from_mean(e, mean)?)
 }

@@ -13,34 +13,7 @@
 
 use super::universal::Universal;
 use super::vector::{StateVector, Vector, transformed};
-use mbs_models::check::{self, Invalid};
-
-/// Why a state was not carried on, or no velocity leads from one place to another in a time.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TargetingError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// A component of a place or state is not finite.
-    #[error("a place or a velocity is not finite")]
-    NotFinite,
-    /// After this time the place within the orbital plane does not depend on some velocities: whole revolutions, and
-    /// some other times, the first 1.406 of a revolution.
-    #[error("no velocity fixes the place in the orbital plane after {time} s")]
-    SingularInPlane {
-        /// The time \[s\].
-        time: f64,
-    },
-    /// After half revolutions the place across the orbital plane does not depend on the velocity.
-    #[error("no velocity fixes the place across the orbital plane after {time} s")]
-    SingularAcross {
-        /// The time \[s\].
-        time: f64,
-    },
-    /// Numbers on the way are too large or too small for `f64`.
-    #[error("the motion leaves the range of floating-point numbers")]
-    OutOfRange,
-}
+use mbs_models::{Error, Failure, check};
 
 /// The state transition matrix: position, then velocity, `matrix[row][column]`.
 ///
@@ -50,8 +23,8 @@ pub enum TargetingError {
 /// | `time`   | how far to go              | s     |
 ///
 /// # Errors
-/// [`TargetingError::Invalid`], [`TargetingError::OutOfRange`].
-pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], TargetingError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], Error> {
     check::positive("mean motion", n)?;
     check::finite("time", time)?;
     // With α = 1 the universal functions are cos, sin, 1 − cos and nt − sin, the last two without cancellation.
@@ -64,7 +37,7 @@ pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], TargetingErr
         [-6.0 * n * versine, 0.0, 0.0, -2.0 * s, 1.0 - 4.0 * versine, 0.0],
         [0.0, 0.0, -n * s, 0.0, 0.0, c],
     ];
-    if matrix.iter().flatten().all(|x| x.is_finite()) { Ok(matrix) } else { Err(TargetingError::OutOfRange) }
+    if matrix.iter().flatten().all(|x| x.is_finite()) { Ok(matrix) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// The state after a time.
@@ -76,14 +49,12 @@ pub fn state_transition(n: f64, time: f64) -> Result<[[f64; 6]; 6], TargetingErr
 /// | `time`   | how far to go              | s      |
 ///
 /// # Errors
-/// Those of [`state_transition`], and [`TargetingError::NotFinite`].
-pub fn propagate(n: f64, state: &StateVector, time: f64) -> Result<StateVector, TargetingError> {
+/// [`Failure::Invalid`], [`Failure::OutOfRange`].
+pub fn propagate(n: f64, state: &StateVector, time: f64) -> Result<StateVector, Error> {
     let matrix = state_transition(n, time)?;
-    if !state.is_finite() {
-        return Err(TargetingError::NotFinite);
-    }
+    state.check()?;
     let end = transformed(&matrix, state);
-    if end.is_finite() { Ok(end) } else { Err(TargetingError::OutOfRange) }
+    if end.is_finite() { Ok(end) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// A coast from one place to another.
@@ -94,6 +65,13 @@ pub struct Transfer {
     /// Relative velocity at the end \[m/s\].
     pub arrival: Vector,
 }
+
+/// What is not [determined](Failure::Undetermined) after whole revolutions, and some other times, the first 1.406 of a
+/// revolution: the place within the orbital plane does not depend on some velocities then.
+pub const IN_PLANE: &str = "the velocity to a place in the orbital plane";
+/// What is not [determined](Failure::Undetermined) after half revolutions: the place across the orbital plane does not
+/// depend on the velocity then.
+pub const ACROSS: &str = "the velocity to a place across the orbital plane";
 
 /// A determinant that is smaller than this part of the squares that it is made of is none.
 const SINGULAR: f64 = 1e-9;
@@ -110,13 +88,12 @@ const SINGULAR: f64 = 1e-9;
 /// | `time`       | from one to the other         | s     |
 ///
 /// # Errors
-/// [`TargetingError`].
-pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfer, TargetingError> {
+/// [`Error`].
+pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfer, Error> {
     let phi = state_transition(n, time)?;
     check::positive("time", time)?;
-    if !(from.iter().chain(to).all(|x| x.is_finite())) {
-        return Err(TargetingError::NotFinite);
-    }
+    check::finite("from", *from)?;
+    check::finite("to", *to)?;
     let coast: Vector = core::array::from_fn(|i| (0..3).map(|j| phi[i][j] * from[j]).sum());
     let missing = [to[0] - coast[0], to[1] - coast[1], to[2] - coast[2]];
     // | x |   | a  b | | u |
@@ -124,7 +101,7 @@ pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfe
     let (a, b, d) = (phi[0][3], phi[0][4], phi[1][4]);
     let determinant = a * d + b * b;
     if determinant.abs() <= SINGULAR * (a * a + b * b + d * d) {
-        return Err(TargetingError::SingularInPlane { time });
+        return Err(Failure::Undetermined(IN_PLANE).at_time(time));
     }
     let u = (d * missing[0] - b * missing[1]) / determinant;
     let v = (b * missing[0] + a * missing[1]) / determinant;
@@ -134,10 +111,10 @@ pub fn transfer(n: f64, from: &Vector, to: &Vector, time: f64) -> Result<Transfe
     } else if missing[2] == 0.0 {
         0.0
     } else {
-        return Err(TargetingError::SingularAcross { time });
+        return Err(Failure::Undetermined(ACROSS).at_time(time));
     };
     let departure = [u, v, w];
     let end = transformed(&phi, &StateVector::new(*from, departure));
     // An overflow on the way to the velocity reaches the end.
-    if end.is_finite() { Ok(Transfer { departure, arrival: end.velocity }) } else { Err(TargetingError::OutOfRange) }
+    if end.is_finite() { Ok(Transfer { departure, arrival: end.velocity }) } else { Err(Failure::OutOfRange.into()) }
 }

@@ -2,35 +2,9 @@
 
 use core::ops::ControlFlow;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, Summary};
-
-/// Why a flight ended before its time.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum FlightError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Two bodies met.
-    #[error("collision at {time} s, at a distance of {distance} m")]
-    Collision {
-        /// When \[s\].
-        time: f64,
-        /// Their distance then \[m\].
-        distance: f64,
-    },
-    /// They touch at the beginning already.
-    #[error("the bodies are {distance} m apart at the beginning, and touch at {contact} m")]
-    StartsInside {
-        /// Their distance \[m\].
-        distance: f64,
-        /// The distance at which they touch \[m\].
-        contact: f64,
-    },
-    /// The integrator gave up for another reason.
-    #[error(transparent)]
-    Integration(IntegrationError),
-}
 
 /// Of the first distance: points whose motion cannot be continued closer than that have met.
 const MET: f64 = 1e-3;
@@ -50,7 +24,7 @@ const MET: f64 = 1e-3;
 /// the integrator, twice across the distance of contact between two places where it looks, is not seen.
 ///
 /// # Errors
-/// [`FlightError`].
+/// [`Error`].
 pub fn fly<const N: usize>(
     integrator: &Dop853,
     mut acceleration: impl FnMut(f64, &[f64; N], &[f64; N], &mut [f64; N]),
@@ -59,15 +33,13 @@ pub fn fly<const N: usize>(
     distance: impl Fn(f64, &State<[f64; N]>) -> f64,
     contact: f64,
     mut observer: impl FnMut(&mut dyn Step<[f64; N]>),
-) -> Result<Summary, FlightError> {
+) -> Result<Summary, Error> {
     check::not_negative("contact", contact)?;
     let first = distance(t, state);
     if first.is_nan() {
-        return Err(FlightError::Integration(IntegrationError::NonFiniteState { time: t }));
+        return Err(IntegrationError::NonFiniteState { time: t }.into());
     }
-    if first <= contact {
-        return Err(FlightError::StartsInside { distance: first, contact });
-    }
+    Must::BeMoreThan(contact).check("distance at the beginning", first)?;
     let gap = |t: f64, state: &State<[f64; N]>| distance(t, state) - contact;
     let mut events = [Event::new(&gap).falling().terminal()];
     let flown = integrator.integrate_with_events(&mut acceleration, t, t_end, state, &mut events, |step| {
@@ -76,16 +48,16 @@ pub fn fly<const N: usize>(
     });
     match flown {
         Ok(summary) if summary.stopped => {
-            Err(FlightError::Collision { time: summary.time, distance: distance(summary.time, state) })
+            Err(Failure::Collision { distance: distance(summary.time, state) }.at_time(summary.time))
         }
         Ok(summary) => Ok(summary),
         Err(error) => Err(match error {
             IntegrationError::StepTooSmall { time, .. } | IntegrationError::NonFiniteState { time }
                 if contact == 0.0 && distance(time, state) <= MET * first =>
             {
-                FlightError::Collision { time, distance: distance(time, state) }
+                Failure::Collision { distance: distance(time, state) }.at_time(time)
             }
-            error => FlightError::Integration(error),
+            error => error.into(),
         }),
     }
 }

@@ -10,7 +10,7 @@
 //! | a circle in the plane z = 0        | Ω = ω = 0: ν counts from the x axis, in the direction of the motion     |
 //!
 //! A state comes back to a few roundings times `r/p`. Far out on an orbit that is nearly a straight line that is too
-//! much for six numbers of this kind, and there are none: [`ElementsError::NearlyStraight`]. [`kepler`](super::kepler)
+//! much for six numbers of this kind, and there are none: [`Failure::NearlyStraight`]. [`kepler`](super::kepler)
 //! carries such states all the same.
 //!
 //! An inclination or eccentricity counts as zero up to [`NONE`], where it is rounding alone.
@@ -20,9 +20,11 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Invalid, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
+use super::anomaly::asymptote;
 use super::integrals::{angular_momentum, reciprocal_axis};
 use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
 
@@ -49,39 +51,6 @@ pub struct Elements {
     pub true_anomaly: f64,
 }
 
-/// Why there are no elements, or no state.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum ElementsError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// The state lies in the centre, or moves towards it or away from it: no angular momentum.
-    #[error("a motion along a straight line has no orbital plane")]
-    Straight,
-    /// The motion is so nearly one along a straight line that e and ν, as they are rounded, would not give the state
-    /// back to 1e-9.
-    #[error(
-        "at the distance {distance} an orbit of the semi-latus rectum {semi_latus_rectum} is too nearly a straight line: its elements would not give the state back"
-    )]
-    NearlyStraight {
-        /// `p = h²/μ` \[m\].
-        semi_latus_rectum: f64,
-        /// r \[m\]
-        distance: f64,
-    },
-    /// A parabola or hyperbola does not reach this true anomaly.
-    #[error("an orbit of eccentricity {eccentricity} does not reach the true anomaly {true_anomaly} rad")]
-    BeyondAsymptote {
-        /// The true anomaly \[rad\].
-        true_anomaly: f64,
-        /// The eccentricity.
-        eccentricity: f64,
-    },
-    /// The state is too large or too small for `f64`.
-    #[error("the motion leaves the range of floating-point numbers")]
-    OutOfRange,
-}
-
 /// From 0 to 2π.
 fn positive_angle(angle: f64) -> f64 {
     // A tiny negative angle is rounded to 2π.
@@ -97,17 +66,14 @@ impl Elements {
     /// ```
     ///
     /// # Errors
-    /// [`ElementsError`].
-    pub fn from_state(mu: f64, state: &StateVector) -> Result<Self, ElementsError> {
+    /// [`Error`].
+    pub fn from_state(mu: f64, state: &StateVector) -> Result<Self, Error> {
         check::positive("mu", mu)?;
-        const NAMES: [&str; 6] = ["x", "y", "z", "velocity x", "velocity y", "velocity z"];
-        for (parameter, value) in NAMES.into_iter().zip(state.to_array()) {
-            check::finite(parameter, value)?;
-        }
+        state.check()?;
         let momentum = angular_momentum(state);
         let (r, v, h) = (norm(&state.position), norm(&state.velocity), norm(&momentum));
         if h <= 4.0 * f64::EPSILON * r * v {
-            return Err(ElementsError::Straight);
+            return Err(Failure::Undetermined("the orbital plane of a motion along a straight line").into());
         }
         let p = h * h / mu;
         let radial = dot(&state.position, &state.velocity) / r;
@@ -138,7 +104,7 @@ impl Elements {
         if elements.loss(r) <= LARGEST_LOSS {
             Ok(elements)
         } else {
-            Err(ElementsError::NearlyStraight { semi_latus_rectum: p, distance: r })
+            Err(Failure::NearlyStraight { semi_latus_rectum: p, distance: r }.into())
         }
     }
 
@@ -153,8 +119,8 @@ impl Elements {
     /// The state \[m, m/s\] about a centre with μ \[m³/s²\].
     ///
     /// # Errors
-    /// [`ElementsError`].
-    pub fn to_state(&self, mu: f64) -> Result<StateVector, ElementsError> {
+    /// [`Error`].
+    pub fn to_state(&self, mu: f64) -> Result<StateVector, Error> {
         check::positive("mu", mu)?;
         self.check()?;
         let Self { semi_latus_rectum: p, eccentricity: e, .. } = *self;
@@ -165,7 +131,7 @@ impl Elements {
         let (ratio, along) = ((1.0 - e) + e * versine, versine - (1.0 - e));
         // Also where rounding of the anomaly puts a state far out on its asymptote.
         if ratio <= 0.0 {
-            return Err(ElementsError::BeyondAsymptote { true_anomaly: self.true_anomaly, eccentricity: e });
+            return Err(Must::BeLessThan(asymptote(e)).broken_by("|true_anomaly|", self.true_anomaly.abs()).into());
         }
         let [toward, ahead] = self.axes();
         let (r, speed) = (p / ratio, Scalar::sqrt(mu / p));
@@ -173,7 +139,7 @@ impl Elements {
             position: combined(r * cos, &toward, r * sin, &ahead),
             velocity: combined(-speed * sin, &toward, speed * along, &ahead),
         };
-        if state.is_finite() && r > 0.0 { Ok(state) } else { Err(ElementsError::OutOfRange) }
+        if state.is_finite() && r > 0.0 { Ok(state) } else { Err(Failure::OutOfRange.into()) }
     }
 
     /// Unit vectors to the nearest point, and a quarter of a turn on.

@@ -22,40 +22,13 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use super::integrals::{Double, angular_momentum, reciprocal_axis, with_integrals};
 use super::universal::Shape;
 use super::vector::{StateVector, Vector, combined, cross, dot, norm, scaled};
-
-/// Why a state was not propagated.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum KeplerError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// A component of the state is infinite or NaN.
-    #[error("component {component} of the state is {value}")]
-    State {
-        /// Which: 0 to 2 position, 3 to 5 velocity.
-        component: usize,
-        /// Its value \[m\] or \[m/s\].
-        value: f64,
-    },
-    /// The state lies in the centre.
-    #[error("the state lies in the centre of attraction")]
-    AtCentre,
-    /// The motion is along a straight line, as far as rounding lets tell, and meets the centre on the way.
-    #[error("falls into the centre of attraction after {time}")]
-    Collision {
-        /// When, from the given state on \[s\]; negative before it.
-        time: f64,
-    },
-    /// Numbers on the way are too large or too small for `f64`.
-    #[error("the motion leaves the range of floating-point numbers")]
-    OutOfRange,
-}
 
 /// A state that was propagated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,8 +61,8 @@ pub struct Propagation {
 /// Any consistent units do.
 ///
 /// # Errors
-/// [`KeplerError`].
-pub fn propagate(mu: f64, state: &StateVector, time: f64) -> Result<Propagation, KeplerError> {
+/// [`Error`].
+pub fn propagate(mu: f64, state: &StateVector, time: f64) -> Result<Propagation, Error> {
     let conic = Conic::through(mu, state)?;
     check::finite("time", time)?;
     if time == 0.0 {
@@ -132,14 +105,12 @@ const STRAIGHT: f64 = 4.0 * f64::EPSILON;
 
 impl Conic {
     /// The conic of a state.
-    pub(super) fn through(mu: f64, state: &StateVector) -> Result<Self, KeplerError> {
+    pub(super) fn through(mu: f64, state: &StateVector) -> Result<Self, Error> {
         check::positive("μ", mu)?;
-        if let Some(component) = state.to_array().iter().position(|x| !x.is_finite()) {
-            return Err(KeplerError::State { component, value: state.to_array()[component] });
-        }
+        state.check()?;
         let (position, velocity) = (&state.position, &state.velocity);
         if *position == [0.0; 3] {
-            return Err(KeplerError::AtCentre);
+            return Err(Must::BePositive.broken_by("distance from the centre", 0.0).into());
         }
         let sqrt_mu = Scalar::sqrt(mu);
         let (r, square) = (norm(position), dot(velocity, velocity));
@@ -170,11 +141,11 @@ impl Conic {
         let conic = Self { mu, sqrt_mu, energy, momentum, shape, sqrt_p, s, time: shape.time(s, &universal), axes };
         let numbers = [sqrt_mu, alpha, shape.q, e, sqrt_p, s, conic.time];
         let finite = numbers.iter().chain(&axes[0]).chain(&axes[1]).all(|x| x.is_finite());
-        if finite { Ok(conic) } else { Err(KeplerError::OutOfRange) }
+        if finite { Ok(conic) } else { Err(Failure::OutOfRange.into()) }
     }
 
     /// The state after a time.
-    pub(super) fn after(&self, time: f64) -> Result<Arrival, KeplerError> {
+    pub(super) fn after(&self, time: f64) -> Result<Arrival, Error> {
         if self.sqrt_p == 0.0 {
             self.check_fall(time)?;
         }
@@ -185,7 +156,7 @@ impl Conic {
             let half = 0.5 * self.period();
             half_revolutions = rounded(target / half);
             if half_revolutions.abs() > MOST_REVOLUTIONS {
-                return Err(KeplerError::OutOfRange);
+                return Err(Failure::OutOfRange.into());
             }
             if half_revolutions != 0.0 {
                 // What is left of the way first: it is nearly as long as the half revolutions, so that their difference
@@ -207,19 +178,19 @@ impl Conic {
         if state.is_finite() && r > 0.0 {
             Ok(Arrival { state, iterations: place.iterations, s: place.s, half_revolutions })
         } else {
-            Err(KeplerError::OutOfRange)
+            Err(Failure::OutOfRange.into())
         }
     }
 
     /// Whether a fall along a straight line meets the centre within a time.
-    fn check_fall(&self, time: f64) -> Result<(), KeplerError> {
+    fn check_fall(&self, time: f64) -> Result<(), Error> {
         let period = if self.shape.alpha > 0.0 { self.period() } else { f64::INFINITY };
         // Since the centre, counted in the direction of the motion.
         let since = time.signum()
             * if self.shape.e < 0.0 { self.time + (0.5 * period).copysign(-self.time) } else { self.time };
         let until = if since < 0.0 { -since } else { period - since };
         let meeting = time.signum() * until / self.sqrt_mu;
-        if time.abs() >= meeting.abs() { Err(KeplerError::Collision { time: meeting }) } else { Ok(()) }
+        if time.abs() >= meeting.abs() { Err(Failure::Falls { time: meeting }.into()) } else { Ok(()) }
     }
 
     /// `√μ` times the period of an ellipse.

@@ -17,7 +17,8 @@
 
 use core::f64::consts::{LN_2, PI};
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use super::universal::{Universal, asinh};
@@ -81,42 +82,6 @@ pub struct ConicArc {
     pub iterations: u32,
 }
 
-/// Why there is no such conic.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum LambertError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// A component of the places or of the pole is not finite.
-    #[error("the places and the pole must be finite")]
-    NotFinite,
-    /// A place lies in the centre.
-    #[error("a place lies in the centre of attraction")]
-    AtCentre,
-    /// Both places are in line with the centre: the plane of the motion is not determined.
-    #[error("the places are in line with the centre, {angle} rad apart: no plane is determined")]
-    Collinear {
-        /// The angle between them, 0 or π \[rad\].
-        angle: f64,
-    },
-    /// The pole lies in the plane of the motion, so that it does not say which way round.
-    #[error("the pole lies in the plane of the motion")]
-    PoleInPlane,
-    /// That many revolutions take longer than the time given.
-    #[error("{revolutions} revolutions take at least {least}, not {time}")]
-    TooManyRevolutions {
-        /// As asked for.
-        revolutions: u32,
-        /// The time that was given \[s\].
-        time: f64,
-        /// The least time of that many revolutions \[s\].
-        least: f64,
-    },
-    /// Numbers on the way are too large or too small for `f64`.
-    #[error("the motion leaves the range of floating-point numbers")]
-    OutOfRange,
-}
-
 /// Of two places and the way round.
 struct Geometry {
     r1: f64,
@@ -140,17 +105,15 @@ struct Geometry {
 const COLLINEAR: f64 = 8.0 * f64::EPSILON;
 
 impl Geometry {
-    fn new(from: &Vector, to: &Vector, pole: &Vector) -> Result<Self, LambertError> {
-        if !from.iter().chain(to).chain(pole).all(|x| x.is_finite()) {
-            return Err(LambertError::NotFinite);
-        }
+    fn new(from: &Vector, to: &Vector, pole: &Vector) -> Result<Self, Error> {
+        check::finite("from", *from)?;
+        check::finite("to", *to)?;
+        check::finite("pole", *pole)?;
         let (r1, r2) = (norm(from), norm(to));
-        if r1 == 0.0 || r2 == 0.0 {
-            return Err(LambertError::AtCentre);
-        }
         if !(r1.is_finite() && r2.is_finite()) {
-            return Err(LambertError::OutOfRange);
+            return Err(Failure::OutOfRange.into());
         }
+        check::positive("distance from the centre", [r1, r2])?;
         let radial = [scaled(1.0 / r1, from), scaled(1.0 / r2, to)];
         let separation = minus(from, to);
         let chord = norm(&separation);
@@ -165,12 +128,12 @@ impl Geometry {
             (normal, norm(&normal), norm(&minus(&radial[0], &radial[1])))
         };
         if sine <= COLLINEAR {
-            return Err(LambertError::Collinear { angle: if difference > sum { PI } else { 0.0 } });
+            return Err(Failure::Undetermined("the plane through places in line with the centre").into());
         }
         normal = scaled(1.0 / sine, &normal);
         let sense = dot(&normal, pole);
         if sense.abs() <= COLLINEAR * norm(pole) {
-            return Err(LambertError::PoleInPlane);
+            return Err(Failure::Undetermined("the way round a pole in the plane of the motion").into());
         }
         if sense < 0.0 {
             normal = scaled(-1.0, &normal);
@@ -357,8 +320,8 @@ const CLOSE: f64 = 1e-5;
 /// | `route`      | which of the conics             |       |
 ///
 /// # Errors
-/// [`LambertError`].
-pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Result<ConicArc, LambertError> {
+/// [`Error`].
+pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Result<ConicArc, Error> {
     check::positive("μ", mu)?;
     check::positive("time", time)?;
     let geometry = Geometry::new(from, to, &route.pole)?;
@@ -372,7 +335,7 @@ pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Res
         let turning = flight.least();
         let least = flight.at(turning).time;
         if target < least {
-            return Err(LambertError::TooManyRevolutions { revolutions: route.revolutions, time, least: least * unit });
+            return Err(Must::BeAtLeast(least * unit).broken_by("time of that many revolutions", time).into());
         }
         let bound;
         (flight.side, bound) = match route.branch {
@@ -408,7 +371,7 @@ pub fn arc(mu: f64, from: &Vector, to: &Vector, time: f64, route: &Route) -> Res
     if finite && found && eta.is_finite() && geometry.chord > 0.0 {
         Ok(ConicArc { departure, arrival, iterations })
     } else {
-        Err(LambertError::OutOfRange)
+        Err(Failure::OutOfRange.into())
     }
 }
 

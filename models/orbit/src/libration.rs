@@ -3,17 +3,11 @@
 //! # Source
 //! V. Szebehely, *Theory of Orbits*, 1967, chapters 4 and 5.
 
+use mbs_models::check::Must;
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use mbs_models::cr3bp::{Cr3bp, Params};
-
-/// A mass ratio that is not in (0, ½], or so small that rounding puts a point where the smaller primary is.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the part of the smaller primary must be more than 0, at most 1/2, and more than rounding, it is {mu}")]
-pub struct MassRatioError {
-    /// The part of the smaller primary that was given.
-    pub mu: f64,
-}
 
 /// The libration points by their customary numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,11 +42,10 @@ impl Point {
 /// ```
 ///
 /// # Errors
-/// [`MassRatioError`].
-pub fn points(mu: f64) -> Result<[[f64; 2]; 5], MassRatioError> {
-    if !(mu > 0.0 && mu <= 0.5) {
-        return Err(MassRatioError { mu });
-    }
+/// [`Failure::Invalid`] for a mass ratio that is not in (0, ½].
+pub fn points(mu: f64) -> Result<[[f64; 2]; 5], Error> {
+    Must::BeMoreThan(0.0).check("part of the smaller primary", mu)?;
+    Must::BeAtMost(0.5).check("part of the smaller primary", mu)?;
     let near = 1.0 - mu;
     let gammas = [
         [-mu, 2.0 * mu, -mu, 3.0 - 2.0 * mu, mu - 3.0, 1.0],
@@ -104,13 +97,14 @@ impl Modes {
     /// `λ⁴ + (4 − tr A) λ² + det A = 0`.
     ///
     /// # Errors
-    /// [`MassRatioError`].
-    pub fn about(mu: f64, point: Point) -> Result<Self, MassRatioError> {
+    /// [`Failure::Invalid`] for a mass ratio that is not in (0, ½], [`Failure::OutOfRange`] for one so small that
+    /// rounding puts the point where the smaller primary is.
+    pub fn about(mu: f64, point: Point) -> Result<Self, Error> {
         let [x, y] = points(mu)?[point as usize];
         let linear = Cr3bp::new(Params { mu }).linearize(&[x, y, 0.0], &[0.0; 3]);
         let [[a, b, _], [c, d, _], [_, _, normal]] = linear.q;
         if !linear.q.iter().flatten().all(|x| x.is_finite()) {
-            return Err(MassRatioError { mu });
+            return Err(Failure::OutOfRange.into());
         }
         let half = 0.5 * (a + d + linear.qd[0][1] * linear.qd[1][0]);
         let determinant = a * d - b * c;

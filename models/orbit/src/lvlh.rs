@@ -11,21 +11,13 @@
 //! # Source
 //! Thesis, section 7.5; Curtis, *Orbital Mechanics for Engineering Students*, 2020, section 7.2.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use super::integrals::angular_momentum;
-use super::kepler::{Conic, KeplerError, propagate};
+use super::kepler::{Conic, propagate};
 use super::transition::state_transition;
 use super::vector::{StateVector, Vector, combined, cross, dot, minus, norm, plus, scaled, transformed};
-
-/// A station has no such frame: it lies in the centre, or moves along a straight line through it, or its state is not
-/// finite.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("no frame goes round with a station at {:?} with the velocity {:?}", .state.position, .state.velocity)]
-pub struct FrameError {
-    /// The state of the station.
-    pub state: StateVector,
-}
 
 /// Axes and rate of the frame of a station at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,17 +33,21 @@ impl Frame {
     /// Of a station.
     ///
     /// # Errors
-    /// [`FrameError`].
-    pub fn of(station: &StateVector) -> Result<Self, FrameError> {
+    /// [`Error`].
+    pub fn of(station: &StateVector) -> Result<Self, Error> {
+        station.check()?;
         let momentum = angular_momentum(station);
         let (r, h) = (norm(&station.position), norm(&momentum));
-        if !(h > 4.0 * f64::EPSILON * r * norm(&station.velocity) && h.is_finite() && r.is_finite()) {
-            return Err(FrameError { state: *station });
+        if !(h.is_finite() && r.is_finite()) {
+            return Err(Failure::OutOfRange.into());
+        }
+        if h <= 4.0 * f64::EPSILON * r * norm(&station.velocity) {
+            return Err(Failure::Undetermined("the frame of a station that moves along a straight line").into());
         }
         let (x, z) = (scaled(1.0 / r, &station.position), scaled(1.0 / h, &momentum));
         let frame = Self { station: *station, axes: [x, cross(&z, &x), z], rate: h / r / r };
         let numbers = frame.axes.iter().flatten().chain([&frame.rate]);
-        if numbers.copied().all(f64::is_finite) { Ok(frame) } else { Err(FrameError { state: *station }) }
+        if numbers.copied().all(f64::is_finite) { Ok(frame) } else { Err(Failure::OutOfRange.into()) }
     }
 
     /// Unit vectors x, y, z in inertial components: rows of `Rᵀ`.
@@ -113,17 +109,6 @@ pub struct RelativeMotion {
     pub relative: StateVector,
 }
 
-/// Why a relative motion was not found.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum RelativeMotionError {
-    /// The station has no frame.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// One of the two was not propagated.
-    #[error(transparent)]
-    Kepler(#[from] KeplerError),
-}
-
 /// Nodes and weights of Gauss' quadrature of order 8 on (0, 1).
 const GAUSS: [[f64; 2]; 4] = [
     [0.069_431_844_202_973_71, 0.173_927_422_568_726_93],
@@ -177,13 +162,13 @@ fn spread(mu: f64, conic: &Conic, separation: &StateVector, time: f64) -> f64 {
 /// | `time`     | how far to go                          | s      |
 ///
 /// # Errors
-/// [`RelativeMotionError`].
+/// [`Error`].
 pub fn relative_motion(
     mu: f64,
     station: &StateVector,
     relative: &StateVector,
     time: f64,
-) -> Result<RelativeMotion, RelativeMotionError> {
+) -> Result<RelativeMotion, Error> {
     let frame = Frame::of(station)?;
     let conic = Conic::through(mu, station)?;
     let end = propagate(mu, station, time)?.state;
@@ -208,6 +193,6 @@ pub fn relative_motion(
     finite(RelativeMotion { station: end, relative: end_frame.to_relative(&other) })
 }
 
-fn finite(motion: RelativeMotion) -> Result<RelativeMotion, RelativeMotionError> {
-    if motion.relative.is_finite() { Ok(motion) } else { Err(RelativeMotionError::Kepler(KeplerError::OutOfRange)) }
+fn finite(motion: RelativeMotion) -> Result<RelativeMotion, Error> {
+    if motion.relative.is_finite() { Ok(motion) } else { Err(Failure::OutOfRange.into()) }
 }

@@ -10,7 +10,7 @@
 //!
 //! Every burn is planned from the state as it is then, so that what the linear model neglects and what thrusters do
 //! wrong is corrected later; what is left at the port is reported. [`coast`] is how the vehicle moves in between,
-//! [`safety`] where it may be, [`error`] why it does not arrive.
+//! [`safety`] where it may be.
 //!
 //! Places and velocities are in the station's frame, [`lvlh`](super::lvlh): x away from the centre, y along the motion,
 //! z normal.
@@ -28,7 +28,6 @@
 //! assumed.
 
 pub mod coast;
-pub mod error;
 mod flight;
 pub mod glideslope;
 pub mod phasing;
@@ -36,14 +35,13 @@ pub mod safety;
 
 use core::f64::consts::PI;
 
-use mbs_models::check;
+use mbs_models::{Error, check};
 use mbs_runtime::Scalar;
 
 use super::elements::Elements;
 use super::vector::{StateVector, Vector, norm, scaled};
 use super::{EARTH_MU, EARTH_RADIUS};
 use coast::Attraction;
-use error::MissionError;
 use glideslope::Glideslope;
 use phasing::Plan;
 use safety::{Zone, Zones};
@@ -238,10 +236,10 @@ impl Mission {
     /// What deserves a look before it is flown.
     ///
     /// # Errors
-    /// [`MissionError::Orbit`] where station or vehicle move along a straight line, or are not given by finite numbers.
-    pub fn warnings(&self) -> Result<Warnings, MissionError> {
-        let below = |state: &StateVector| -> Result<Option<f64>, MissionError> {
-            let elements = Elements::from_state(self.attraction.centre, state).map_err(MissionError::Orbit)?;
+    /// [`Error`] where station or vehicle move along a straight line, or are not given by finite numbers.
+    pub fn warnings(&self) -> Result<Warnings, Error> {
+        let below = |state: &StateVector| -> Result<Option<f64>, Error> {
+            let elements = Elements::from_state(self.attraction.centre, state)?;
             let altitude = elements.periapsis() - self.surface;
             Ok((altitude < 0.0).then_some(altitude))
         };
@@ -254,17 +252,13 @@ impl Mission {
     /// is what they should. `observe` sees the way, the closer the denser.
     ///
     /// # Errors
-    /// [`MissionError`].
-    pub fn fly(
-        &self,
-        thrust: impl FnMut(&Burn) -> Vector,
-        observe: impl FnMut(&Moment),
-    ) -> Result<Report, MissionError> {
+    /// [`Error`].
+    pub fn fly(&self, thrust: impl FnMut(&Burn) -> Vector, observe: impl FnMut(&Moment)) -> Result<Report, Error> {
         self.check()?;
         flight::fly(self, thrust, observe)
     }
 
-    fn check(&self) -> Result<(), MissionError> {
+    fn check(&self) -> Result<(), Error> {
         let positive = [
             ("attraction.centre", self.attraction.centre),
             ("surface", self.surface),
@@ -282,7 +276,7 @@ impl Mission {
             ("corridor_half_angle", self.corridor_half_angle),
         ];
         check::positive("approach_speeds", self.approach_speeds)?;
-        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
+        check::each(check::positive, positive)?;
         let not_negative = [
             ("attraction.station", self.attraction.station),
             ("lowest_altitude", self.lowest_altitude),
@@ -291,7 +285,7 @@ impl Mission {
             ("corridor_mouth", self.corridor_mouth),
             ("distance of homing_end", norm(&self.homing_end)),
         ];
-        not_negative.into_iter().try_for_each(|(parameter, value)| check::not_negative(parameter, value))?;
+        check::each(check::not_negative, not_negative)?;
         let [first, last] = self.approach_speeds;
         let approach = Glideslope::new(self.approach_distance - self.docking_distance, first, last)?;
         let docking = Glideslope::new(self.docking_distance, last, last)?;
@@ -327,6 +321,26 @@ pub struct Burn {
     pub phase: Phase,
     /// As planned, in the axes of the station's frame \[m/s\].
     pub delta_v: Vector,
+}
+
+/// Errors with which thrusters execute a burn, by standard deviations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThrusterErrors {
+    /// Of the size, relative.
+    pub size: f64,
+    /// Of the direction, about each axis \[rad\].
+    pub direction: f64,
+}
+
+impl ThrusterErrors {
+    /// What becomes of a burn \[m/s\]; `normal` gives random numbers of the standard normal distribution, of which it
+    /// takes four.
+    pub fn executed(&self, [x, y, z]: Vector, mut normal: impl FnMut() -> f64) -> Vector {
+        let size = 1.0 + self.size * normal();
+        let [a, b, c] = [(); 3].map(|()| self.direction * normal());
+        // Turned by a small vector.
+        [size * (x + b * z - c * y), size * (y + c * x - a * z), size * (z + a * y - b * x)]
+    }
 }
 
 /// The vehicle on its way.

@@ -27,7 +27,6 @@ mbs_runtime::include_mechanism!("docking_bodies");
 
 pub mod attitude;
 pub mod bodies;
-pub mod error;
 pub mod finite_burn;
 pub mod flight;
 pub mod jets;

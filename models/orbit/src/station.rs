@@ -10,10 +10,10 @@
 
 use core::fmt;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::{Scalar, State};
 
-use super::kepler::{KeplerError, propagate};
+use super::kepler::propagate;
 use super::vector::StateVector;
 use mbs_models::relative_lvlh::{Params, RelativeLvlh};
 
@@ -26,23 +26,6 @@ pub struct Station {
     mass: f64,
     /// At the periapsis, in the plane of the orbit, with it on the first axis.
     start: StateVector,
-}
-
-/// What is wrong with a station.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum StationError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// A body at the station itself has no direction from it, and no cylindrical coordinates.
-    #[error("a body at the station itself has no cylindrical coordinates about it")]
-    AtTheStation,
-    /// Numbers are too large or too small for `f64`, or are none.
-    #[error("the motion leaves the range of floating-point numbers")]
-    OutOfRange,
-    /// The station's orbit was not found at a time.
-    #[error(transparent)]
-    Kepler(KeplerError),
 }
 
 /// An orbit that dips below the surface of the centre: it is computed, about a centre that is a point.
@@ -70,8 +53,8 @@ impl Station {
     /// | `radius` | of the circle                  | m     |
     ///
     /// # Errors
-    /// [`StationError::Invalid`], [`StationError::OutOfRange`].
-    pub fn on_a_circle(mu: f64, radius: f64) -> Result<Self, StationError> {
+    /// [`Failure::Invalid`], [`Failure::OutOfRange`].
+    pub fn on_a_circle(mu: f64, radius: f64) -> Result<Self, Error> {
         Self::from_periapsis(mu, radius, 0.0)
     }
 
@@ -84,8 +67,8 @@ impl Station {
     /// | `eccentricity` | 0 or more                        | 1     |
     ///
     /// # Errors
-    /// [`StationError::Invalid`], [`StationError::OutOfRange`].
-    pub fn from_periapsis(mu: f64, periapsis: f64, eccentricity: f64) -> Result<Self, StationError> {
+    /// [`Failure::Invalid`], [`Failure::OutOfRange`].
+    pub fn from_periapsis(mu: f64, periapsis: f64, eccentricity: f64) -> Result<Self, Error> {
         check::positive("mu", mu)?;
         check::positive("periapsis", periapsis)?;
         check::not_negative("eccentricity", eccentricity)?;
@@ -93,14 +76,14 @@ impl Station {
         let start = StateVector::new([periapsis, 0.0, 0.0], [0.0, speed, 0.0]);
         let station = Self { mu, periapsis, eccentricity, mass: 0.0, start };
         let (rate, period) = (station.rate(), station.period());
-        if rate > 0.0 && rate.is_finite() && period > 0.0 { Ok(station) } else { Err(StationError::OutOfRange) }
+        if rate > 0.0 && rate.is_finite() && period > 0.0 { Ok(station) } else { Err(Failure::OutOfRange.into()) }
     }
 
     /// The station with a mass that attracts as a point \[kg\].
     ///
     /// # Errors
-    /// [`StationError::Invalid`].
-    pub fn with_mass(self, mass: f64) -> Result<Self, StationError> {
+    /// [`Failure::Invalid`].
+    pub fn with_mass(self, mass: f64) -> Result<Self, Error> {
         check::not_negative("station mass", mass)?;
         Ok(Self { mass, ..self })
     }
@@ -130,9 +113,9 @@ impl Station {
     /// The inertial state at a time, in the plane of the orbit.
     ///
     /// # Errors
-    /// [`StationError::Kepler`].
-    pub fn state(&self, t: f64) -> Result<StateVector, StationError> {
-        propagate(self.mu, &self.start, t).map(|arrival| arrival.state).map_err(StationError::Kepler)
+    /// [`Error`].
+    pub fn state(&self, t: f64) -> Result<StateVector, Error> {
+        propagate(self.mu, &self.start, t).map(|arrival| arrival.state)
     }
 
     /// Distance \[m\] and polar angle \[rad\], each with its first and second derivative: the prescribed signals of
@@ -142,8 +125,8 @@ impl Station {
     /// `r̈ = r ν̇² − μ/r²`, `ν̈ = −2 ṙ ν̇/r`.
     ///
     /// # Errors
-    /// [`StationError::Invalid`], [`StationError::Kepler`], [`StationError::OutOfRange`].
-    pub fn signals(&self, t: f64) -> Result<[[f64; 3]; 2], StationError> {
+    /// [`Error`].
+    pub fn signals(&self, t: f64) -> Result<[[f64; 3]; 2], Error> {
         check::finite("time", t)?;
         if self.eccentricity == 0.0 {
             let rate = self.rate();
@@ -173,23 +156,23 @@ impl Station {
     }
 }
 
-fn finite(signals: [[f64; 3]; 2]) -> Result<[[f64; 3]; 2], StationError> {
-    if signals.iter().flatten().all(|x| x.is_finite()) { Ok(signals) } else { Err(StationError::OutOfRange) }
+fn finite(signals: [[f64; 3]; 2]) -> Result<[[f64; 3]; 2], Error> {
+    if signals.iter().flatten().all(|x| x.is_finite()) { Ok(signals) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// Local axes to cylindrical coordinates r, θ, z about the station.
 ///
 /// # Errors
-/// [`StationError::AtTheStation`] at r = 0, [`StationError::OutOfRange`].
-pub fn to_cylindrical(local: &State<[f64; 3]>) -> Result<State<[f64; 3]>, StationError> {
+/// [`Failure::Undetermined`] at r = 0, [`Failure::OutOfRange`].
+pub fn to_cylindrical(local: &State<[f64; 3]>) -> Result<State<[f64; 3]>, Error> {
     let ([x, y, z], [u, v, w]) = (local.q, local.qd);
     let square = x * x + y * y;
     if square == 0.0 {
-        return Err(StationError::AtTheStation);
+        return Err(Failure::Undetermined("the direction to a body at the station itself").into());
     }
     let r = Scalar::sqrt(square);
     let state = State { q: [r, Scalar::atan2(y, x), z], qd: [(x * u + y * v) / r, (x * v - y * u) / square, w] };
-    if state.q.iter().chain(&state.qd).all(|x| x.is_finite()) { Ok(state) } else { Err(StationError::OutOfRange) }
+    if state.q.iter().chain(&state.qd).all(|x| x.is_finite()) { Ok(state) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// Cylindrical coordinates about the station to its local axes.

@@ -27,10 +27,10 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check;
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::Scalar;
 
-use super::kepler::{Conic, KeplerError};
+use super::kepler::Conic;
 use super::universal::Universal;
 use super::vector::{StateVector, minus, norm};
 
@@ -52,8 +52,8 @@ pub struct Transition {
 /// | `time`   | how far to go                  | s      |
 ///
 /// # Errors
-/// [`KeplerError`].
-pub fn state_transition(mu: f64, state: &StateVector, time: f64) -> Result<Transition, KeplerError> {
+/// [`Error`].
+pub fn state_transition(mu: f64, state: &StateVector, time: f64) -> Result<Transition, Error> {
     let conic = Conic::through(mu, state)?;
     check::finite("time", time)?;
     let arrival = conic.after(time)?;
@@ -63,7 +63,7 @@ pub fn state_transition(mu: f64, state: &StateVector, time: f64) -> Result<Trans
     if matrix.iter().flatten().all(|x| x.is_finite()) {
         Ok(Transition { state: end, matrix })
     } else {
-        Err(KeplerError::OutOfRange)
+        Err(Failure::OutOfRange.into())
     }
 }
 

@@ -1,5 +1,6 @@
 //! Vectors with three components, and the state of a point that they make.
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::State;
 
 /// Components along three axes.
@@ -49,6 +50,15 @@ impl StateVector {
     #[must_use]
     pub fn is_finite(&self) -> bool {
         self.to_array().iter().all(|x| x.is_finite())
+    }
+
+    /// Refuses a state that is not finite.
+    ///
+    /// # Errors
+    /// [`Invalid`], the first component that is not.
+    pub(crate) fn check(&self) -> Result<(), Invalid> {
+        check::finite("position", self.position)?;
+        check::finite("velocity", self.velocity)
     }
 }
 

@@ -12,39 +12,15 @@
 //! Guidance, Control, and Dynamics 25(1), 2002: the transition in the plane and its inverse at the beginning. Their x,
 //! y, z are y, −z, −x here.
 
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
 use super::clohessy_wiltshire::Transfer;
 use super::integrals::angular_momentum;
-use super::kepler::{KeplerError, propagate};
-use super::lvlh::{Frame, FrameError};
+use super::kepler::propagate;
+use super::lvlh::Frame;
 use super::vector::{StateVector, Vector, dot, norm, transformed};
-
-/// Why there is no such matrix.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TransitionError {
-    /// The orbit of the station is not an ellipse.
-    #[error("the orbit of the station must be an ellipse, its eccentricity is {eccentricity}")]
-    NotElliptic {
-        /// Its eccentricity.
-        eccentricity: f64,
-    },
-    /// The station was not propagated.
-    #[error(transparent)]
-    Kepler(KeplerError),
-    /// The station has no frame.
-    #[error(transparent)]
-    Frame(FrameError),
-    /// No velocity fixes the place after this time.
-    #[error("no velocity fixes the place after {time} s")]
-    Singular {
-        /// The time \[s\].
-        time: f64,
-    },
-    /// A component of a place is not finite.
-    #[error("a place is not finite")]
-    NotFinite,
-}
 
 /// One end of the time.
 struct Anomaly {
@@ -106,18 +82,16 @@ impl Anomaly {
 /// | `time`    | how far to go                               | s      |
 ///
 /// # Errors
-/// [`TransitionError`].
-pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f64; 6]; 6], TransitionError> {
-    let end = propagate(mu, station, time).map_err(TransitionError::Kepler)?.state;
-    let frame = Frame::of(station).map_err(TransitionError::Frame)?;
+/// [`Error`].
+pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f64; 6]; 6], Error> {
+    let end = propagate(mu, station, time)?.state;
+    let frame = Frame::of(station)?;
     let h = norm(&angular_momentum(station));
     let (r, p) = (norm(&station.position), h * h / mu);
     let (e_cos, e_sin) = (p / r - 1.0, h / mu * dot(&station.position, &station.velocity) / r);
     let e = Scalar::sqrt(e_cos * e_cos + e_sin * e_sin);
     // `e < 1` by the energy would be no surer: e is known to some roundings.
-    if e >= 1.0 {
-        return Err(TransitionError::NotElliptic { eccentricity: e });
-    }
+    Must::BeLessThan(1.0).check("eccentricity of the station's orbit", e)?;
     let theta = Scalar::atan2(e_sin, e_cos);
     // What the station has gone round, so that a circle needs no nearest point.
     let [x, y, _] = frame.axes();
@@ -150,7 +124,7 @@ pub fn state_transition(mu: f64, station: &StateVector, time: f64) -> Result<[[f
     }
     insert(&mut matrix, 2, 2, &transformed(across));
     let finite = matrix.iter().flatten().all(|x| x.is_finite());
-    if finite { Ok(matrix) } else { Err(TransitionError::Kepler(KeplerError::OutOfRange)) }
+    if finite { Ok(matrix) } else { Err(Failure::OutOfRange.into()) }
 }
 
 /// Position and velocity of one axis by those of another.
@@ -177,18 +151,11 @@ fn product(a: &[[f64; 2]; 2], b: &[[f64; 2]; 2]) -> [[f64; 2]; 2] {
 /// | `time`       | from one to the other; may be negative     | s      |
 ///
 /// # Errors
-/// [`TransitionError`]; [`TransitionError::Singular`] where the place after this time does not depend on some velocity.
-pub fn transfer(
-    mu: f64,
-    station: &StateVector,
-    from: &Vector,
-    to: &Vector,
-    time: f64,
-) -> Result<Transfer, TransitionError> {
+/// [`Error`]; [`Failure::Undetermined`] where the place after this time does not depend on some velocity.
+pub fn transfer(mu: f64, station: &StateVector, from: &Vector, to: &Vector, time: f64) -> Result<Transfer, Error> {
     let phi = state_transition(mu, station, time)?;
-    if !from.iter().chain(to).all(|x| x.is_finite()) {
-        return Err(TransitionError::NotFinite);
-    }
+    check::finite("from", *from)?;
+    check::finite("to", *to)?;
     let missing: Vector = core::array::from_fn(|i| to[i] - (0..3).map(|j| phi[i][j] * from[j]).sum::<f64>());
     // Cramer's rule, in the plane and across.
     let (a, b, c, d) = (phi[0][3], phi[0][4], phi[1][3], phi[1][4]);
@@ -196,7 +163,7 @@ pub fn transfer(
     let across = phi[2][5];
     let size = a * a + b * b + c * c + d * d;
     if determinant.abs() <= SINGULAR * size || (across * across <= SINGULAR * SINGULAR * size && missing[2] != 0.0) {
-        return Err(TransitionError::Singular { time });
+        return Err(Failure::Undetermined("the velocity to a place").at_time(time));
     }
     let w = if missing[2] == 0.0 { 0.0 } else { missing[2] / across };
     let departure =
@@ -204,7 +171,7 @@ pub fn transfer(
     let end = transformed(&phi, &StateVector::new(*from, departure));
     // An overflow on the way to the velocity reaches the end.
     if !end.is_finite() {
-        return Err(TransitionError::Kepler(KeplerError::OutOfRange));
+        return Err(Failure::OutOfRange.into());
     }
     Ok(Transfer { departure, arrival: end.velocity })
 }

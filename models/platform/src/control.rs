@@ -26,21 +26,10 @@
 //! assert!((0..6).all(|i| (state.q[i] - motion.at(3.0)[0][i]).abs() < 1e-6));
 //! ```
 
+use mbs_models::Error;
 use mbs_runtime::control::ComputedTorque;
 
-use super::limits::InvalidLimits;
-use super::{Coordinates, LegVector, Platform, PoseError};
-
-/// Why there are no forces within the limits.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotControlled {
-    /// Nothing can keep the limits.
-    #[error(transparent)]
-    Limits(#[from] InvalidLimits),
-    /// The pose, the reference or the forces.
-    #[error(transparent)]
-    Pose(#[from] PoseError),
-}
+use super::{Coordinates, LegVector, Platform};
 
 impl Platform {
     /// The forces of the legs \[N\] of computed torque at this state, by this platform as the model, from which the
@@ -52,28 +41,28 @@ impl Platform {
     /// | `q`, `qd`   | the state                                                     | m, rad, s |
     ///
     /// # Errors
-    /// [`PoseError`], as [`Platform::leg_forces`].
+    /// [`Error`], as [`Platform::leg_forces`].
     pub fn computed_forces(
         &self,
         control: &ComputedTorque<6>,
         reference: &[Coordinates; 3],
         q: &Coordinates,
         qd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    ) -> Result<LegVector, Error> {
         self.leg_forces(q, qd, &control.acceleration(reference, q, qd))
     }
 
     /// The forces of [`computed_forces`](Self::computed_forces) \[N\], cut to what its actuators give.
     ///
     /// # Errors
-    /// [`NotControlled::Limits`]; [`NotControlled::Pose`], as [`Platform::leg_forces`].
+    /// [`Error`], as [`Platform::leg_forces`], or of the limits.
     pub fn limited_forces(
         &self,
         control: &ComputedTorque<6>,
         reference: &[Coordinates; 3],
         q: &Coordinates,
         qd: &Coordinates,
-    ) -> Result<LegVector, NotControlled> {
+    ) -> Result<LegVector, Error> {
         self.limits.check()?;
         Ok(self.limits.saturated(&self.computed_forces(control, reference, q, qd)?))
     }

@@ -12,10 +12,11 @@
 //! A platform has up to forty poses with the same lengths (J.-P. Merlet, *Parallel Robots*, 2nd ed. 2006, section
 //! 4.3.2); the one found is that which the start leads to. In tracking a motion that is the last pose.
 
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::{Scalar, to_matrix, to_vector};
 
 use super::geometry::attitude;
-use super::{Coordinates, LegVector, Platform, all_finite};
+use super::{Coordinates, LegVector, Platform};
 use crate::geometry::{cross, dot};
 
 /// A pose found.
@@ -27,49 +28,6 @@ pub struct DirectKinematics {
     pub iterations: usize,
     /// The largest difference of a leg's length at this pose from the length wanted \[m\].
     pub residual: f64,
-}
-
-/// Why no pose was found.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotFound {
-    /// A length is not a positive number.
-    #[error("the length of leg {leg} must be positive, found {length}")]
-    InvalidLength {
-        /// The leg, counted from 0.
-        leg: usize,
-        /// The length given \[m\].
-        length: f64,
-    },
-    /// A coordinate of the start is infinite or NaN.
-    #[error("a coordinate of the start is infinite or NaN")]
-    NonFiniteStart,
-    /// The tolerance is not a positive number.
-    #[error("the tolerance must be positive, found {tolerance}")]
-    InvalidTolerance {
-        /// The tolerance given \[m\].
-        tolerance: f64,
-    },
-    /// The search came to a pose whose legs do not determine the next step.
-    #[error("singular pose after {iterations} steps, {residual:e} m off")]
-    Singular {
-        /// The pose.
-        pose: Coordinates,
-        /// Steps taken.
-        iterations: usize,
-        /// The largest `|f_i|` there \[m\].
-        residual: f64,
-    },
-    /// The steps allowed were used up, or no part of a step brought the lengths nearer: they may belong to no pose, or
-    /// to one on the other side of a singularity.
-    #[error("no pose found in {iterations} steps, lengths are {residual:e} m off")]
-    NotConverged {
-        /// The best pose.
-        pose: Coordinates,
-        /// Steps taken.
-        iterations: usize,
-        /// The largest `|f_i|` there \[m\].
-        residual: f64,
-    },
 }
 
 /// How the pose is searched.
@@ -88,6 +46,12 @@ impl Default for Newton {
     }
 }
 
+/// What does not converge where the steps allowed were used up, or no part of a step brought the lengths nearer: they
+/// may belong to no pose, or to one on the other side of a singularity.
+pub const SEARCH: &str = "the search of the pose";
+/// What does not converge where the legs of a pose that it came to do not determine the next step.
+pub const SEARCH_AT_SINGULAR: &str = "the search of the pose, at a singular one,";
+
 /// The least part of a step that is tried.
 const SMALLEST_PART: f64 = 1e-3;
 /// Rounding of `f_i`, as a part of the longest leg.
@@ -100,8 +64,8 @@ impl Platform {
     /// The pose at which the legs have these lengths \[m\]: [`Newton::solve`] with its default options.
     ///
     /// # Errors
-    /// [`NotFound`].
-    pub fn direct(&self, lengths: &LegVector, start: &Coordinates) -> Result<DirectKinematics, NotFound> {
+    /// [`Error`].
+    pub fn direct(&self, lengths: &LegVector, start: &Coordinates) -> Result<DirectKinematics, Error> {
         Newton::default().solve(self, lengths, start)
     }
 }
@@ -115,8 +79,8 @@ impl Newton {
     /// | `start`   | a pose near the one wanted  | m, rad |
     ///
     /// # Errors
-    /// [`NotFound::NotConverged`] after [`iterations`](Newton::iterations) steps at the latest; [`NotFound::Singular`]
-    /// where the search comes to a singular pose; else what is wrong with the input.
+    /// [`Failure::NotConverged`] after [`iterations`](Newton::iterations) steps at the latest, of [`SEARCH`], or of
+    /// [`SEARCH_AT_SINGULAR`] where the search comes to a singular pose; else what is wrong with the input.
     ///
     /// # Source
     /// Thesis, equation (4.5), solved as it proposes, by Newton and Raphson, with damping and an end.
@@ -125,16 +89,10 @@ impl Newton {
         platform: &Platform,
         lengths: &LegVector,
         start: &Coordinates,
-    ) -> Result<DirectKinematics, NotFound> {
-        if let Some(leg) = lengths.iter().position(|length| !(*length > 0.0 && length.is_finite())) {
-            return Err(NotFound::InvalidLength { leg, length: lengths[leg] });
-        }
-        if !all_finite(&[start]) {
-            return Err(NotFound::NonFiniteStart);
-        }
-        if !(self.tolerance > 0.0 && self.tolerance.is_finite()) {
-            return Err(NotFound::InvalidTolerance { tolerance: self.tolerance });
-        }
+    ) -> Result<DirectKinematics, Error> {
+        check::positive("length of leg", *lengths)?;
+        check::finite("start", *start)?;
+        check::positive("tolerance", self.tolerance)?;
         let longest = lengths.iter().fold(0.0, |longest: f64, length| longest.max(*length));
         let tolerance = self.tolerance.max(ROUNDING * longest);
         let reciprocal = lengths.map(|length| 1.0 / length);
@@ -142,19 +100,21 @@ impl Newton {
         // What is NaN is not closed, and nothing is nearer.
         let is_closed = |excess: &Excess| excess.largest <= tolerance;
 
+        let given_up = |what, iterations, residual| Error::from(Failure::NotConverged { what, iterations, residual });
+
         let mut place = Place { position: [start[0], start[1], start[2]], rotation: attitude(start) };
         let mut now = excess(&place);
         let mut iterations = 0;
         while !is_closed(&now) {
             if iterations == self.iterations {
-                return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
+                return Err(given_up(SEARCH, iterations, now.largest));
             }
             let jacobian = to_matrix(&now.jacobian(&reciprocal));
             let (lu, least) = (jacobian.lu(), ROUNDED_PIVOT * jacobian.norm());
             // NaN is larger than nothing.
             let is_regular = lu.u().diagonal().iter().all(|pivot| pivot.abs() > least);
             let Some(step) = lu.solve(&to_vector(&now.f)).filter(|_| is_regular) else {
-                return Err(NotFound::Singular { pose: place.pose(), iterations, residual: now.largest });
+                return Err(given_up(SEARCH_AT_SINGULAR, iterations, now.largest));
             };
             iterations += 1;
             let mut part = 1.0;
@@ -167,7 +127,7 @@ impl Newton {
                 }
                 part *= 0.5;
                 if part < SMALLEST_PART {
-                    return Err(NotFound::NotConverged { pose: place.pose(), iterations, residual: now.largest });
+                    return Err(given_up(SEARCH, iterations, now.largest));
                 }
             }
         }

@@ -7,12 +7,13 @@
 //! `M`, `C` and `G` are those of [`StewartPlatform`], with the cylinders and pistons of
 //! the legs.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Dual, Scalar, to_matrix, to_vector};
 
 use super::geometry::Geometry;
 use super::jacobian::{SINGULAR, by_coordinates, extreme_angular_rates, solved_transposed};
 use super::limits::LegState;
-use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
+use super::{Coordinates, LegVector, NOT_FINITE, Platform, all_finite};
 use mbs_models::stewart_platform::{Params, StewartPlatform};
 
 /// A parameter of which forces are differentiated, or several in step: the rates at which they grow.
@@ -67,11 +68,11 @@ impl Platform {
     /// | `q`, `qd`, `qdd` | the imposed coordinates, rates, accelerations | m, rad, s   |
     ///
     /// # Errors
-    /// [`PoseError`]; [`PoseError::Singular`] where the legs cannot hold the platform.
+    /// [`Error`]; [`Failure::Singular`] where the legs cannot hold the platform.
     ///
     /// # Source
     /// Thesis, equation (4.17), solved for τ.
-    pub fn leg_forces(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegVector, PoseError> {
+    pub fn leg_forces(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegVector, Error> {
         let force = self.generalized_force(q, qd, qdd);
         solved_transposed(&self.coordinate_jacobian(q)?, &force)
     }
@@ -79,8 +80,8 @@ impl Platform {
     /// The forces of the legs that do what a generalized force τ does: `J_q⁻ᵀ τ` \[N\].
     ///
     /// # Errors
-    /// [`PoseError`]; [`PoseError::Singular`] where the legs cannot hold the platform.
-    pub fn legs_against(&self, q: &Coordinates, force: &Coordinates) -> Result<LegVector, PoseError> {
+    /// [`Error`]; [`Failure::Singular`] where the legs cannot hold the platform.
+    pub fn legs_against(&self, q: &Coordinates, force: &Coordinates) -> Result<LegVector, Error> {
         solved_transposed(&self.coordinate_jacobian(q)?, force)
     }
 
@@ -90,21 +91,16 @@ impl Platform {
     /// condition grows as the square of that of the [matrix of angular rates](super::jacobian::angular_rates).
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]; [`PoseError::Singular`], with the singular values of the
-    /// matrix of angular rates, where the square of their ratio is at most [`SINGULAR`], within 0.004° of ±90°.
-    pub fn accelerations(
-        &self,
-        q: &Coordinates,
-        qd: &Coordinates,
-        forces: &LegVector,
-    ) -> Result<Coordinates, PoseError> {
+    /// [`Error`]; [`Failure::Singular`], with the singular values of the matrix of angular rates, where the square of
+    /// their ratio is at most [`SINGULAR`], within 0.004° of ±90°.
+    pub fn accelerations(&self, q: &Coordinates, qd: &Coordinates, forces: &LegVector) -> Result<Coordinates, Error> {
         self.legs(q)?;
         let [smallest, largest] = extreme_angular_rates(q);
         if smallest * smallest <= SINGULAR * (largest * largest) {
-            return Err(PoseError::Singular { smallest, largest });
+            return Err(Failure::Singular { of: "the attitude", smallest, largest }.into());
         }
         let accelerations = self.model().forward_dynamics(q, qd, forces);
-        if all_finite(&[&accelerations]) { Ok(accelerations) } else { Err(PoseError::NonFinite) }
+        if all_finite(&[&accelerations]) { Ok(accelerations) } else { Err(NOT_FINITE.into()) }
     }
 
     /// Derivatives of the legs' forces while parameters grow in this direction, the motion staying the same.
@@ -119,7 +115,7 @@ impl Platform {
         q: &Coordinates,
         qd: &Coordinates,
         qdd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    ) -> Result<LegVector, Error> {
         self.leg_forces(q, qd, qdd)?;
         let params = lifted(self.params(), direction);
         dual_forces(&params, &q.map(Dual::constant), qd, qdd)
@@ -136,7 +132,7 @@ impl Platform {
         q: &Coordinates,
         qd: &Coordinates,
         qdd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    ) -> Result<LegVector, Error> {
         self.leg_forces(q, qd, qdd)?;
         let params = lifted(self.params(), &STILL);
         let q = core::array::from_fn(|i| Dual { value: q[i], derivative: dq[i] });
@@ -150,14 +146,14 @@ impl Platform {
     /// rates of δq left out.
     ///
     /// # Errors
-    /// As [`leg_forces`](Self::leg_forces); [`PoseError::NonFinite`] where `k` is zero or NaN.
+    /// As [`leg_forces`](Self::leg_forces); [`NOT_FINITE`] where `k` is zero or NaN.
     pub fn leg_forces_by_stiffness(
         &self,
         stiffness: f64,
         q: &Coordinates,
         qd: &Coordinates,
         qdd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    ) -> Result<LegVector, Error> {
         let shortening = self.leg_forces(q, qd, qdd)?.map(|force| force / (stiffness * stiffness));
         let displacement = self.coordinate_rates(q, &shortening)?;
         self.leg_forces_displaced(&displacement, q, qd, qdd)
@@ -193,12 +189,7 @@ impl Platform {
     ///
     /// # Errors
     /// As [`leg_forces`](Self::leg_forces).
-    pub fn printed_leg_forces(
-        &self,
-        q: &Coordinates,
-        qd: &Coordinates,
-        qdd: &Coordinates,
-    ) -> Result<LegVector, PoseError> {
+    pub fn printed_leg_forces(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegVector, Error> {
         let (right, printed) = (self.model().mass_matrix(q), self.printed_mass_matrix());
         let (force, inertial) = (self.generalized_force(q, qd, qdd), to_matrix(&right) * to_vector(qdd));
         let force = core::array::from_fn(|i| force[i] - inertial[i] + printed[i] * qdd[i]);
@@ -212,7 +203,7 @@ fn dual_forces(
     q: &Coordinates<Dual<f64>>,
     qd: &Coordinates,
     qdd: &Coordinates,
-) -> Result<LegVector, PoseError> {
+) -> Result<LegVector, Error> {
     Ok(dual_legs(params, &[*q, qd.map(Dual::constant), qdd.map(Dual::constant)])?.force.map(|force| force.derivative))
 }
 
@@ -220,7 +211,7 @@ fn dual_forces(
 pub(crate) fn dual_legs(
     params: &Params<Dual<f64>>,
     [q, qd, qdd]: &[Coordinates<Dual<f64>>; 3],
-) -> Result<LegState<Dual<f64>>, PoseError> {
+) -> Result<LegState<Dual<f64>>, Error> {
     let legs = Geometry::unchecked(params).legs(q);
     let jacobian = by_coordinates(&legs, q);
     let rate = jacobian.map(|row| row.iter().zip(qd).fold(Dual::zero(), |sum, (&entry, &qd)| sum + entry * qd));

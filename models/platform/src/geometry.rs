@@ -1,9 +1,8 @@
 //! Where the joints are, and the legs between them.
 
 use core::f64::consts::PI;
-use core::fmt;
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::check::{self, Invalid, Must};
 use mbs_runtime::Scalar;
 use nalgebra::Vector3;
 
@@ -36,45 +35,6 @@ pub struct Legs<T = f64> {
     pub direction: [[T; 3]; 6],
     /// `R P_i`, from the platform's frame to its joints, in the axes of the base \[m\].
     pub lever: [[T; 3]; 6],
-}
-
-/// Which of the two plates a joint is on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plate {
-    /// That stands.
-    Base,
-    /// That moves.
-    Platform,
-}
-
-/// Why parameters describe no platform.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum InvalidPlatform {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Two joints of one plate are at one place.
-    #[error("joints {} and {} of the {plate} coincide: they are {distance:e} m apart", .joints[0], .joints[1])]
-    CoincidentJoints {
-        /// The plate.
-        plate: Plate,
-        /// The joints, counted from 0.
-        joints: [usize; 2],
-        /// How far they are apart \[m\].
-        distance: f64,
-    },
-    /// The plate that moves has no mass, or an inertia of zero.
-    #[error("the platform has no mass, or an inertia of zero")]
-    NoInertia,
-}
-
-impl fmt::Display for Plate {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Base => "base",
-            Self::Platform => "platform",
-        })
-    }
 }
 
 /// How near two joints are, as a part of the radius of their circle, where they count as one.
@@ -140,15 +100,15 @@ impl<T: Scalar> Legs<T> {
 }
 
 impl Geometry<f64> {
-    pub(crate) fn check_joints(&self, params: &Params) -> Result<(), InvalidPlatform> {
-        let plates =
-            [(Plate::Base, &self.base, params.base_radius), (Plate::Platform, &self.platform, params.platform_radius)];
-        for (plate, joints, radius) in plates {
+    pub(crate) fn check_joints(&self, params: &Params) -> Result<(), Invalid> {
+        let plates = [
+            ("clearance of base joint", &self.base, params.base_radius),
+            ("clearance of platform joint", &self.platform, params.platform_radius),
+        ];
+        for (clearance, joints, radius) in plates {
             for (i, j) in (0..6).flat_map(|i| (i + 1..6).map(move |j| (i, j))) {
                 let distance = (Vector3::from(joints[i]) - Vector3::from(joints[j])).norm();
-                if distance <= COINCIDENT * radius {
-                    return Err(InvalidPlatform::CoincidentJoints { plate, joints: [i, j], distance });
-                }
+                Must::BeMoreThan(COINCIDENT * radius).check(clearance, distance).map_err(|error| error.of(i))?;
             }
         }
         Ok(())
@@ -168,7 +128,7 @@ pub fn attitude<T: Scalar>(q: &Coordinates<T>) -> [[T; 3]; 3] {
 }
 
 /// Masses, inertias and sizes; the joints are checked where they are known.
-pub(crate) fn check(params: &Params) -> Result<(), InvalidPlatform> {
+pub(crate) fn check(params: &Params) -> Result<(), Invalid> {
     check::positive("base_radius", params.base_radius)?;
     check::positive("platform_radius", params.platform_radius)?;
     check::finite("base_half_angle", params.base_half_angle)?;
@@ -178,16 +138,12 @@ pub(crate) fn check(params: &Params) -> Result<(), InvalidPlatform> {
     check::finite("g", params.g)?;
     check::not_negative("payload_mass", params.payload_mass)?;
     check::not_negative("payload_size", params.payload_size)?;
-    check::not_negative("platform_mass", params.platform_mass)?;
-    check::not_negative("platform_inertia", params.platform_inertia)?;
+    check::positive("platform_mass", params.platform_mass)?;
+    check::positive("platform_inertia", params.platform_inertia)?;
     check::not_negative("cylinder_mass", params.cylinder_mass)?;
     check::not_negative("cylinder_inertia", params.cylinder_inertia)?;
     check::not_negative("piston_mass", params.piston_mass)?;
-    check::not_negative("piston_inertia", params.piston_inertia)?;
-    if params.platform_mass == 0.0 || params.platform_inertia.contains(&0.0) {
-        return Err(InvalidPlatform::NoInertia);
-    }
-    Ok(())
+    check::not_negative("piston_inertia", params.piston_inertia)
 }
 
 /// `a·b`, of dual numbers too, which are none of nalgebra's.

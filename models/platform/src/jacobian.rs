@@ -8,11 +8,12 @@
 //! `T` turns rates of the angles into ω. Where J loses rank the platform moves with its legs held, or cannot be held by
 //! them.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Scalar, to_matrix, to_vector};
 use nalgebra::{Matrix6, SVD};
 
 use super::geometry::Legs;
-use super::{Coordinates, LegVector, Platform, PoseError, all_finite};
+use super::{Coordinates, LegVector, NOT_FINITE, Platform, all_finite};
 
 /// Rows are legs; columns `v` and `ω`, or the rates of the coordinates.
 pub type Jacobian<T = f64> = [[T; 6]; 6];
@@ -74,26 +75,26 @@ impl Platform {
     /// The Jacobian by twists: `l̇_i = u_i · v + (R P_i × u_i) · ω` \[1, m\].
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn jacobian(&self, q: &Coordinates) -> Result<Jacobian, PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`].
+    pub fn jacobian(&self, q: &Coordinates) -> Result<Jacobian, Error> {
         Ok(self.legs(q)?.jacobian())
     }
 
     /// The Jacobian by coordinates: `J_q = ∂l/∂q` \[1, m\]. It is the J of the thesis' (4.17).
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn coordinate_jacobian(&self, q: &Coordinates) -> Result<Jacobian, PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`].
+    pub fn coordinate_jacobian(&self, q: &Coordinates) -> Result<Jacobian, Error> {
         Ok(by_coordinates(&self.legs(q)?, q))
     }
 
     /// Condition and determinant of the Jacobian by twists.
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`]. A singular pose is none: it has a condition of infinity.
-    pub fn regularity(&self, q: &Coordinates) -> Result<Regularity, PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`]. A singular pose is none: it has a condition of infinity.
+    pub fn regularity(&self, q: &Coordinates) -> Result<Regularity, Error> {
         let jacobian = self.jacobian(q)?;
-        let [smallest, largest] = extreme_singular_values(&to_matrix(&jacobian)).ok_or(PoseError::NonFinite)?;
+        let [smallest, largest] = extreme_singular_values(&to_matrix(&jacobian)).ok_or(NOT_FINITE)?;
         let determinant = to_matrix(&jacobian).determinant();
         let condition = if smallest > 0.0 { largest / smallest } else { f64::INFINITY };
         Ok(Regularity { determinant, condition, smallest, largest })
@@ -102,17 +103,17 @@ impl Platform {
     /// Rates of the legs \[m/s\]: `l̇ = J_q q̇`.
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn leg_rates(&self, q: &Coordinates, qd: &Coordinates) -> Result<LegVector, PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`].
+    pub fn leg_rates(&self, q: &Coordinates, qd: &Coordinates) -> Result<LegVector, Error> {
         let rates: LegVector = (to_matrix(&self.coordinate_jacobian(q)?) * to_vector(qd)).into();
-        if all_finite(&[&rates]) { Ok(rates) } else { Err(PoseError::NonFinite) }
+        if all_finite(&[&rates]) { Ok(rates) } else { Err(NOT_FINITE.into()) }
     }
 
     /// Rates of the coordinates that go with these rates of the legs \[m/s\]: `q̇ = J_q⁻¹ l̇`.
     ///
     /// # Errors
-    /// [`PoseError`]; [`PoseError::Singular`] where `J_q` has no inverse.
-    pub fn coordinate_rates(&self, q: &Coordinates, leg_rates: &LegVector) -> Result<Coordinates, PoseError> {
+    /// [`Error`]; [`Failure::Singular`] where `J_q` has no inverse.
+    pub fn coordinate_rates(&self, q: &Coordinates, leg_rates: &LegVector) -> Result<Coordinates, Error> {
         solved(&self.coordinate_jacobian(q)?, leg_rates)
     }
 
@@ -125,39 +126,39 @@ impl Platform {
     /// Units of K: N/m, N and N·m. Legs under load add terms of their forces, which are not in it.
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn stiffness(&self, q: &Coordinates, leg: &LegVector) -> Result<[[f64; 6]; 6], PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`].
+    pub fn stiffness(&self, q: &Coordinates, leg: &LegVector) -> Result<[[f64; 6]; 6], Error> {
         let jacobian = self.jacobian(q)?;
         let entry = |i: usize, j: usize| (0..6).map(|k| leg[k] * (jacobian[k][i] * jacobian[k][j])).sum();
         let stiffness: [[f64; 6]; 6] = core::array::from_fn(|i| core::array::from_fn(|j| entry(i, j)));
-        if all_finite(&[stiffness.as_flattened()]) { Ok(stiffness) } else { Err(PoseError::NonFinite) }
+        if all_finite(&[stiffness.as_flattened()]) { Ok(stiffness) } else { Err(NOT_FINITE.into()) }
     }
 }
 
 /// `x` with `A x = b`.
-pub(crate) fn solved(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
+pub(crate) fn solved(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], Error> {
     solved_by(&to_matrix(a), b)
 }
 
 /// `x` with `Aᵀ x = b`.
-pub(crate) fn solved_transposed(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
+pub(crate) fn solved_transposed(a: &[[f64; 6]; 6], b: &[f64; 6]) -> Result<[f64; 6], Error> {
     solved_by(&to_matrix(a).transpose(), b)
 }
 
-fn solved_by(a: &Matrix6<f64>, b: &[f64; 6]) -> Result<[f64; 6], PoseError> {
+fn solved_by(a: &Matrix6<f64>, b: &[f64; 6]) -> Result<[f64; 6], Error> {
     if !all_finite(&[a.as_slice(), b]) {
-        return Err(PoseError::NonFinite);
+        return Err(NOT_FINITE.into());
     }
-    let [smallest, largest] = extreme_singular_values(a).ok_or(PoseError::NonFinite)?;
+    let [smallest, largest] = extreme_singular_values(a).ok_or(NOT_FINITE)?;
     match a.lu().solve(&to_vector(b)) {
         Some(x) if smallest > SINGULAR * largest => {
             if all_finite(&[x.as_slice()]) {
                 Ok(x.into())
             } else {
-                Err(PoseError::NonFinite)
+                Err(NOT_FINITE.into())
             }
         }
-        _ => Err(PoseError::Singular { smallest, largest }),
+        _ => Err(Failure::Singular { of: "the pose", smallest, largest }.into()),
     }
 }
 

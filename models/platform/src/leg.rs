@@ -12,40 +12,18 @@
 //! it has a stray `cos β` (E14 of `docs/thesis/errata.md`); here they are right. A vertical leg has no azimuth: there
 //! these coordinates are singular, which the dynamics, written with the unit vector `e`, is not.
 
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::{Dual, Scalar, to_matrix};
 use nalgebra::Vector3;
 
 use super::geometry::Geometry;
-use super::{Coordinates, Platform, PoseError, all_finite};
+use super::{Coordinates, NOT_FINITE, Platform, all_finite};
 
 /// `(ρ, α, β)` \[m, rad\], their rates or accelerations.
 pub type Spherical = [f64; 3];
 
 /// How small `sin β` is where a leg counts as vertical.
 pub const VERTICAL: f64 = 1e-9;
-
-/// Why a leg has no spherical coordinates, or no rates of them.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotSpherical {
-    /// A component is infinite or NaN.
-    #[error("a component is infinite or NaN")]
-    NonFinite,
-    /// The leg has no direction.
-    #[error("the leg has the length {length:e} m, and no direction")]
-    ZeroLength {
-        /// Its length \[m\].
-        length: f64,
-    },
-    /// The leg is vertical, and its azimuth is any.
-    #[error("the leg is vertical (sin β = {sin_beta:e}) and has no azimuth")]
-    Vertical {
-        /// `sin β`
-        sin_beta: f64,
-    },
-    /// The pose itself is at fault.
-    #[error(transparent)]
-    Pose(#[from] PoseError),
-}
 
 /// A leg's motion in spherical coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,28 +49,26 @@ impl LegMotion {
     /// ```
     ///
     /// # Errors
-    /// [`NotSpherical::ZeroLength`], [`NotSpherical::Vertical`], [`NotSpherical::NonFinite`].
+    /// [`Failure::Invalid`] for a leg without length, [`Failure::Undetermined`] for a vertical one, [`NOT_FINITE`].
     ///
     /// # Source
     /// Thesis, equations (4.6), (4.7), (4.11), corrected.
-    pub fn of_joint(place: &[f64; 3], velocity: &[f64; 3], acceleration: &[f64; 3]) -> Result<Self, NotSpherical> {
+    pub fn of_joint(place: &[f64; 3], velocity: &[f64; 3], acceleration: &[f64; 3]) -> Result<Self, Error> {
         if !all_finite(&[place, velocity, acceleration]) {
-            return Err(NotSpherical::NonFinite);
+            return Err(NOT_FINITE.into());
         }
         let [x, y, z] = *place;
         let across = Scalar::sqrt(x * x + y * y);
         let rho = Vector3::from(*place).norm();
-        if !(rho > f64::MIN_POSITIVE && rho.is_finite()) {
-            return Err(NotSpherical::ZeroLength { length: rho });
-        }
+        check::positive("length of the leg", rho)?;
         if across <= VERTICAL * rho {
-            return Err(NotSpherical::Vertical { sin_beta: across / rho });
+            return Err(Failure::Undetermined("the azimuth of a vertical leg").into());
         }
         let position = [rho, Scalar::atan2(y, x), Scalar::atan2(across, z)];
         let rate = solve_rates(&position, velocity);
         let acceleration = solve_rates(&position, &centripetal(&position, &rate, acceleration));
         let motion = Self { position, rate, acceleration };
-        if all_finite(&[&motion.rate, &motion.acceleration]) { Ok(motion) } else { Err(NotSpherical::NonFinite) }
+        if all_finite(&[&motion.rate, &motion.acceleration]) { Ok(motion) } else { Err(NOT_FINITE.into()) }
     }
 
     /// `e`, from the base's joint to the platform's.
@@ -172,7 +148,7 @@ impl Platform {
     /// The motion of one leg, counted from 0, in spherical coordinates.
     ///
     /// # Errors
-    /// [`NotSpherical`]: among others where the leg is vertical.
+    /// [`Error`]: among others where the leg is vertical.
     ///
     /// # Panics
     /// If `leg` is not below 6.
@@ -182,7 +158,7 @@ impl Platform {
         q: &Coordinates,
         qd: &Coordinates,
         qdd: &Coordinates,
-    ) -> Result<LegMotion, NotSpherical> {
+    ) -> Result<LegMotion, Error> {
         self.legs(q)?;
         let [place, velocity, acceleration] = self.joint_motion(leg, q, qd, qdd);
         let base = self.geometry().base[leg];

@@ -46,10 +46,12 @@ pub mod marine;
 pub mod motion;
 pub mod sensitivity;
 
-pub use direct::{DirectKinematics, NotFound};
-pub use geometry::{Geometry, InvalidPlatform};
+pub use direct::DirectKinematics;
+pub use geometry::Geometry;
 pub use limits::{ActuatorLimits, Quantity, Violation};
+use mbs_models::check::Must;
 use mbs_models::stewart_platform::{Params, StewartPlatform};
+use mbs_models::{Error, Failure};
 pub use motion::{Motion, PlatformMotion, Superposition};
 
 /// `(x, y, z, φ, θ, ψ)` \[m, rad\], their rates or accelerations.
@@ -59,6 +61,9 @@ pub type LegVector<T = f64> = [T; 6];
 
 /// The pose that motions start from and are measured from: level, 1.1 m above the base, in the middle of the stroke.
 pub const HOME: Coordinates = [0.0, 0.0, 1.1, 0.0, 0.0, 0.0];
+
+/// Why a pose or a motion has no legs, no forces or no rates of them, if something in it is NaN or infinite.
+pub const NOT_FINITE: Failure = Failure::NotFinite("a coordinate, rate, acceleration or force");
 
 /// A leg shorter than this part of the base's radius has no direction.
 pub const SHORTEST: f64 = 1e-9;
@@ -86,48 +91,23 @@ impl Default for Platform {
     }
 }
 
-/// Why the legs of a pose have no direction, or their forces and rates do not follow from the platform's.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PoseError {
-    /// A coordinate, a rate, an acceleration or a force is infinite or NaN.
-    #[error("a coordinate, rate, acceleration or force is infinite or NaN")]
-    NonFinite,
-    /// A joint of the platform is on the joint of the base that its leg begins at.
-    #[error("leg {leg} has the length {length:e} m, and no direction")]
-    ZeroLength {
-        /// The leg, counted from 0.
-        leg: usize,
-        /// Its length \[m\].
-        length: f64,
-    },
-    /// The legs do not hold the platform, or the angles do not tell its attitude (θ = ±90°).
-    #[error("the pose is singular: singular values from {largest} down to {smallest:e}")]
-    Singular {
-        /// The smallest singular value of the Jacobian by coordinates; where accelerations are asked for, of the matrix
-        /// of angular rates.
-        smallest: f64,
-        /// The largest one.
-        largest: f64,
-    },
-}
-
 impl Platform {
     /// The platform of these parameters, with the limits [`ActuatorLimits::PS_6TL_1500`].
     ///
     /// ```
-    /// use mbs_platform::{InvalidPlatform, Platform};
+    /// use mbs_platform::Platform;
     /// use mbs_models::check::Must;
     /// use mbs_models::stewart_platform::Params;
     ///
     /// let overdrawn = Params { payload_mass: -1.0, ..Params::default() };
-    /// let refused = InvalidPlatform::Invalid(Must::NotBeNegative.broken_by("payload_mass", -1.0));
-    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), refused);
+    /// let refused = Must::NotBeNegative.broken_by("payload_mass", -1.0);
+    /// assert_eq!(Platform::new(overdrawn).unwrap_err(), refused.into());
     /// ```
     ///
     /// # Errors
-    /// [`InvalidPlatform`] where a radius is not positive, two joints coincide, a mass is negative, the platform has no
-    /// inertia, or something is not finite.
-    pub fn new(params: Params) -> Result<Self, InvalidPlatform> {
+    /// [`Failure::Invalid`] where a radius is not positive, two joints coincide, a mass is negative, the platform has
+    /// no inertia, or something is not finite.
+    pub fn new(params: Params) -> Result<Self, Error> {
         geometry::check(&params)?;
         let geometry = Geometry::unchecked(&params);
         geometry.check_joints(&params)?;
@@ -156,8 +136,8 @@ impl Platform {
     /// The same platform with another payload: a box of this mass \[kg\].
     ///
     /// # Errors
-    /// [`InvalidPlatform::Invalid`].
-    pub fn with_payload(&self, mass: f64) -> Result<Self, InvalidPlatform> {
+    /// [`Failure::Invalid`].
+    pub fn with_payload(&self, mass: f64) -> Result<Self, Error> {
         let params = Params { payload_mass: mass, ..*self.params() };
         Ok(Self { limits: self.limits, ..Self::new(params)? })
     }
@@ -182,28 +162,24 @@ impl Platform {
     /// ```
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
+    /// [`NOT_FINITE`], [`Failure::Invalid`] for a leg without length.
     ///
     /// # Source
     /// Thesis, equations (4.1)–(4.3); (4.4) is their square, written out.
-    pub fn lengths(&self, q: &Coordinates) -> Result<LegVector, PoseError> {
+    pub fn lengths(&self, q: &Coordinates) -> Result<LegVector, Error> {
         Ok(self.legs(q)?.length)
     }
 
     /// Lengths and directions of the legs, and the levers of their joints.
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn legs(&self, q: &Coordinates) -> Result<geometry::Legs<f64>, PoseError> {
+    /// [`NOT_FINITE`], [`Failure::Invalid`] for a leg without length.
+    pub fn legs(&self, q: &Coordinates) -> Result<geometry::Legs<f64>, Error> {
         let legs = self.geometry.legs(q);
-        for (leg, &length) in legs.length.iter().enumerate() {
-            if !length.is_finite() {
-                return Err(PoseError::NonFinite);
-            }
-            if length <= SHORTEST * self.params().base_radius {
-                return Err(PoseError::ZeroLength { leg, length });
-            }
+        if !all_finite(&[&legs.length]) {
+            return Err(NOT_FINITE.into());
         }
+        Must::BeMoreThan(SHORTEST * self.params().base_radius).check("length of leg", legs.length)?;
         Ok(legs)
     }
 }

@@ -2,9 +2,11 @@
 
 use core::fmt;
 
+use mbs_models::Error;
+use mbs_models::check::{self, Invalid, Must};
 use mbs_runtime::Scalar;
 
-use super::{Coordinates, LegVector, Platform, PlatformMotion, PoseError, Superposition};
+use super::{Coordinates, LegVector, Platform, PlatformMotion, Superposition};
 
 /// Bounds of every leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,27 +21,6 @@ pub struct ActuatorLimits {
     pub force: f64,
 }
 
-/// Limits that nothing can keep.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum InvalidLimits {
-    /// The stroke is crossed, begins below zero, or NaN bounds it.
-    #[error("the legs have the stroke {shortest} to {longest} m")]
-    Stroke {
-        /// The shortest length \[m\].
-        shortest: f64,
-        /// The longest one \[m\].
-        longest: f64,
-    },
-    /// The speed or the force is not positive.
-    #[error("the largest {quantity} must be positive, found {bound} {}", .quantity.unit())]
-    Bound {
-        /// Which.
-        quantity: Quantity,
-        /// The bound \[m/s or N\].
-        bound: f64,
-    },
-}
-
 impl ActuatorLimits {
     /// 1.05 m to 1.70 m, 0.6 m/s, 10 kN.
     ///
@@ -50,21 +31,13 @@ impl ActuatorLimits {
     /// Whether the stroke holds a length, and speed and force are positive; infinite ones are.
     ///
     /// # Errors
-    /// [`InvalidLimits`], the first that is not so.
-    pub fn check(&self) -> Result<(), InvalidLimits> {
+    /// [`Invalid`], the first that is not so.
+    pub fn check(&self) -> Result<(), Invalid> {
         let Self { shortest, longest, speed, force } = *self;
-        // NaN compares false.
-        let in_order = 0.0 <= shortest && shortest <= longest;
-        if !in_order {
-            return Err(InvalidLimits::Stroke { shortest, longest });
-        }
-        for (quantity, bound) in [(Quantity::Speed, speed), (Quantity::Force, force)] {
-            let positive = bound > 0.0;
-            if !positive {
-                return Err(InvalidLimits::Bound { quantity, bound });
-            }
-        }
-        Ok(())
+        Must::BeAtLeast(0.0).check("shortest length", shortest)?;
+        Must::BeAtLeast(shortest).check("longest length", longest)?;
+        Must::BeMoreThan(0.0).check("largest speed", speed)?;
+        Must::BeMoreThan(0.0).check("largest force", force)
     }
 
     /// Whether a leg of this length \[m\] is within the stroke; false for NaN.
@@ -224,31 +197,6 @@ pub struct Survey {
 /// A survey has no more samples than this.
 pub const MOST_SAMPLES: u32 = 10_000_000;
 
-/// Why there is no survey of a motion.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotSurveyed {
-    /// The end is negative, the step is not positive, one of them is infinite or NaN, or there are more than
-    /// [`MOST_SAMPLES`].
-    #[error("samples every {step} s up to {end} s are none, without end or more than {MOST_SAMPLES}")]
-    InvalidSampling {
-        /// The last moment \[s\].
-        end: f64,
-        /// Between samples \[s\].
-        step: f64,
-    },
-    /// Nothing can keep the limits.
-    #[error(transparent)]
-    Limits(#[from] InvalidLimits),
-    /// A sample has no legs or no forces.
-    #[error("t = {time:.3} s: {error}")]
-    Pose {
-        /// The moment \[s\].
-        time: f64,
-        /// Why.
-        error: PoseError,
-    },
-}
-
 impl Default for Survey {
     /// No sample taken in.
     fn default() -> Self {
@@ -295,16 +243,16 @@ impl Platform {
     /// Lengths, rates and forces of the legs for an imposed motion.
     ///
     /// # Errors
-    /// [`PoseError`].
-    pub fn leg_state(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegState, PoseError> {
+    /// [`Error`].
+    pub fn leg_state(&self, q: &Coordinates, qd: &Coordinates, qdd: &Coordinates) -> Result<LegState, Error> {
         Ok(LegState { length: self.lengths(q)?, rate: self.leg_rates(q, qd)?, force: self.leg_forces(q, qd, qdd)? })
     }
 
     /// Whether the pose is in the workspace: all lengths within the stroke, and the pose not singular.
     ///
     /// # Errors
-    /// [`PoseError::NonFinite`], [`PoseError::ZeroLength`].
-    pub fn reaches(&self, q: &Coordinates) -> Result<bool, PoseError> {
+    /// [`Error`].
+    pub fn reaches(&self, q: &Coordinates) -> Result<bool, Error> {
         let within = self.lengths(q)?.iter().all(|&length| self.limits.admits(length));
         Ok(within && !self.regularity(q)?.is_singular())
     }
@@ -312,14 +260,12 @@ impl Platform {
     /// What the motion asks of the legs, sampled at `0, step, 2 step, …` up to `end` \[s\].
     ///
     /// # Errors
-    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`], the first sample that has no
-    /// legs or no forces.
-    pub fn survey(&self, motion: &impl PlatformMotion, end: f64, step: f64) -> Result<Survey, NotSurveyed> {
-        // NaN compares false.
-        let sampled = step > 0.0 && step.is_finite() && end >= 0.0 && end / step < f64::from(MOST_SAMPLES);
-        if !sampled {
-            return Err(NotSurveyed::InvalidSampling { end, step });
-        }
+    /// [`Failure::Invalid`](mbs_models::Failure::Invalid) for samples or limits that there are not; of the first sample
+    /// that has no legs or no forces, with its time.
+    pub fn survey(&self, motion: &impl PlatformMotion, end: f64, step: f64) -> Result<Survey, Error> {
+        check::positive("step", step)?;
+        check::not_negative("end", end)?;
+        Must::BeLessThan(f64::from(MOST_SAMPLES)).check("number of samples", end / step)?;
         self.limits.check()?;
         let mut survey = Survey::default();
         let mut sample = 0_u32;
@@ -329,7 +275,7 @@ impl Platform {
                 return Ok(survey);
             }
             let [q, qd, qdd] = motion.at(t);
-            let pose = |error: PoseError| NotSurveyed::Pose { time: t, error };
+            let pose = |error: Error| error.or_at_time(t);
             let legs = self.leg_state(&q, &qd, &qdd).map_err(pose)?;
             survey.add(&self.limits, t, &legs, self.regularity(&q).map_err(pose)?.condition);
             sample += 1;
@@ -343,17 +289,17 @@ impl Platform {
     /// mean keeps them. Factors at which a sample has no legs or no forces do not keep them.
     ///
     /// # Errors
-    /// [`NotSurveyed::InvalidSampling`]; [`NotSurveyed::Limits`]; [`NotSurveyed::Pose`] where the mean has no legs or
-    /// no forces.
+    /// [`Failure::Invalid`](mbs_models::Failure::Invalid) for samples or limits that there are not; with its time where
+    /// the mean has no legs or no forces.
     pub fn admissible_scale<const K: usize>(
         &self,
         motion: &Superposition<K>,
         end: f64,
         step: f64,
-    ) -> Result<f64, NotSurveyed> {
+    ) -> Result<f64, Error> {
         let keeps = |thousandths: u32| match self.survey(&motion.scaled(f64::from(thousandths) / 1000.0), end, step) {
             Ok(survey) => Ok(survey.is_clear()),
-            Err(NotSurveyed::Pose { .. }) if thousandths > 0 => Ok(false),
+            Err(Error { at: Some(_), .. }) if thousandths > 0 => Ok(false),
             Err(error) => Err(error),
         };
         if !keeps(0)? {

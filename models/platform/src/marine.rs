@@ -26,59 +26,23 @@ pub mod spectrum;
 pub mod thrusters;
 pub mod wind;
 
-use mbs_models::check::Invalid;
-use mbs_runtime::IntegrationError;
-use mbs_runtime::control::ControlError;
+use mbs_models::check::{self, Invalid, Must};
 
 /// `(z, φ, θ, ψ)` \[m, rad\], their rates or accelerations; or a force and three moments \[N, N·m\].
 pub type Four = [f64; 4];
 
-/// Why there is no sea, no platform or no motion.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum MarineError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Waves of this height and period would break.
-    #[error("waves of {height} m and {period} s are too steep: 2π Hs/(g Tp²) is {steepness}, at most {limit} here")]
-    TooSteep {
-        /// Significant wave height Hs \[m\].
-        height: f64,
-        /// Peak period Tp \[s\].
-        period: f64,
-        /// `2π Hs/(g Tp²)`.
-        steepness: f64,
-        /// The most that it may be at this period.
-        limit: f64,
-    },
-    /// The platform does not float with its columns in the water, or it does not float upright.
-    #[error(
-        "the platform does not float upright: draught of its columns {draught} m, metacentric heights {heights:?} m"
-    )]
-    Unstable {
-        /// How deep the columns are at rest \[m\].
-        draught: f64,
-        /// For roll and pitch \[m\].
-        heights: [f64; 2],
-    },
-    /// Still water does not cut a column between its ends, where the hydrostatics hold.
-    #[error("at t = {time} s column {column} is {depth} m deep in still water, and only {least} to {most} m count")]
-    OffTheColumns {
-        /// When \[s\].
-        time: f64,
-        /// The column, counted from 0.
-        column: usize,
-        /// How deep its lower end is \[m\].
-        depth: f64,
-        /// The least that counts \[m\].
-        least: f64,
-        /// The length of the column \[m\].
-        most: f64,
-    },
-    /// There is no regulator.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    /// The integration failed.
-    #[error(transparent)]
-    Integration(#[from] IntegrationError),
+/// Random numbers from 0 to below 1, K of them for each of N.
+fn drawn<const K: usize, const N: usize>(
+    number: &'static str,
+    mut uniform: impl FnMut() -> f64,
+) -> Result<[[f64; K]; N], Invalid> {
+    check::positive(number, N as f64)?;
+    let mut drawn = [[0.0; K]; N];
+    for number in drawn.iter_mut().flatten() {
+        *number = uniform();
+        if !(0.0..1.0).contains(number) {
+            return Err(Must::BeWithin([0.0, 1.0]).broken_by("random number", *number));
+        }
+    }
+    Ok(drawn)
 }

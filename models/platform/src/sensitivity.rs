@@ -15,11 +15,12 @@ use core::fmt;
 use core::str::FromStr;
 
 use mbs_models::stewart_platform::{PARAMETERS, Params};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Dual, Scalar};
 
 use super::dynamics::{STILL, dual_legs, lifted};
 use super::limits::LegState;
-use super::{Motion, Platform, PoseError, all_finite};
+use super::{Motion, NOT_FINITE, Platform, all_finite};
 
 /// What a leg, counted from 0, or all of them do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -247,24 +248,19 @@ fn entries<T>(params: &mut Params<T>) -> [&mut T; 19] {
     ]
 }
 
-/// No output or parameter has this name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no such name")]
-pub struct UnknownName;
-
 impl FromStr for Output {
-    type Err = UnknownName;
+    type Err = Error;
 
-    fn from_str(name: &str) -> Result<Self, UnknownName> {
-        Self::all().find(|output| output.name() == name).ok_or(UnknownName)
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::all().find(|output| output.name() == name).ok_or(Failure::Missing("output of this name").into())
     }
 }
 
 impl FromStr for Parameter {
-    type Err = UnknownName;
+    type Err = Error;
 
-    fn from_str(name: &str) -> Result<Self, UnknownName> {
-        Self::all().find(|parameter| parameter.name() == name).ok_or(UnknownName)
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Self::all().find(|parameter| parameter.name() == name).ok_or(Failure::Missing("parameter of this name").into())
     }
 }
 
@@ -302,18 +298,13 @@ impl Platform {
     ///
     /// # Errors
     /// As [`leg_forces`](Self::leg_forces).
-    pub fn leg_state_by(
-        &self,
-        parameter: Parameter,
-        motion: &Motion,
-        t: f64,
-    ) -> Result<LegState<Dual<f64>>, PoseError> {
+    pub fn leg_state_by(&self, parameter: Parameter, motion: &Motion, t: f64) -> Result<LegState<Dual<f64>>, Error> {
         self.legs(&motion.at(t)[0])?;
         let (mut params, mut moving) = (lifted(self.params(), &STILL), lifted_motion(motion));
         parameter.add(Dual { value: 0.0, derivative: 1.0 }, &mut params, &mut moving);
         let legs = dual_legs(&params, &moving.at(t))?;
         let slopes = [legs.length, legs.rate, legs.force].map(|row| row.map(|x| x.derivative));
-        if all_finite(&[slopes.as_flattened()]) { Ok(legs) } else { Err(PoseError::NonFinite) }
+        if all_finite(&[slopes.as_flattened()]) { Ok(legs) } else { Err(NOT_FINITE.into()) }
     }
 }
 

@@ -2,9 +2,11 @@
 
 use mbs_arm::Arm;
 use mbs_arm::jacobian::determinant_factors;
-use mbs_arm::trajectory::cartesian::{CartesianError, CartesianPath, FlangeLine, Singularity};
+use mbs_arm::trajectory::cartesian::{CartesianPath, FlangeLine, Singularity};
 use mbs_arm::trajectory::time_optimal::{MotorLimits, retime};
-use mbs_arm::trajectory::{AlongPath, JointPath, Motion, TrajectoryError, quintic, trapezoidal};
+use mbs_arm::trajectory::{AlongPath, JointPath, Motion, POSITION, quintic, trapezoidal};
+use mbs_models::check::Must;
+use mbs_models::{At, Error, Failure};
 use mbs_runtime::attitude::{difference, exp};
 use mbs_runtime::nalgebra::Vector3;
 use mbs_runtime::{Pose, to_matrix, to_rows};
@@ -112,7 +114,7 @@ fn a_law_of_time_along_the_line() {
     assert_close("q̈", &rate, &state.qdd, 1e-8);
     let beyond = quintic([0.0], [0.0], [1.5], 1.0).unwrap();
     let error = AlongPath::new(&path, beyond).unwrap_err();
-    assert!(matches!(error, TrajectoryError::OutsidePath { s, length: 1.0 } if s == 1.5), "{error}");
+    assert_eq!(error, Must::BeWithin([0.0, 1.0]).broken_by("path parameter", 1.5).into());
 }
 
 #[test]
@@ -138,17 +140,21 @@ fn the_fastest_motion_along_a_line() {
     assert!((0.5..3.0).contains(&motion.duration()), "{}", motion.duration());
 }
 
+/// Where along the line it failed.
+fn place(error: &Error) -> f64 {
+    let Some(At::Path(s)) = error.at else { panic!("{error}") };
+    s
+}
+
 #[test]
 fn lines_out_of_reach_end_where_the_arm_is_stretched() {
     let arm = unlimited();
     let line = line_from(&arm, &START, [3.0, 0.0, 0.0], [0.0; 3]);
     let error = CartesianPath::<33>::new(&arm, line, &START).unwrap_err();
     // Stretched: right there branches meet, and beyond nothing reaches.
-    let (CartesianError::Unreachable { s, .. } | CartesianError::Singular { s, singularity: Singularity::Elbow }) =
-        error
-    else {
-        panic!("{error}")
-    };
+    let s = place(&error);
+    let stretched = Failure::Degenerate(Singularity::Elbow.name());
+    assert!(matches!(error.failure, Failure::TooFar { .. }) || error.failure == stretched, "{error}");
     // Bisection of "some configuration reaches the pose" gives the place.
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..60 {
@@ -164,14 +170,17 @@ fn joints_at_the_end_of_their_range_are_named() {
     // The fifth joint may turn to 100°.
     let line = line_from(&arm, &START, [0.0; 3], [0.0, 2.0, 0.0]);
     let error = CartesianPath::<33>::new(&arm, line, &START).unwrap_err();
-    let CartesianError::LimitExceeded { s, joint, angle, limit } = error else { panic!("{error}") };
+    let s = place(&error);
+    let Failure::LimitExceeded { quantity: POSITION, index: joint, value: angle, limit } = error.failure else {
+        panic!("{error}")
+    };
     assert!((angle - limit).abs() < 1e-7, "joint {joint} at {angle}, limit {limit}");
     let reached = CartesianPath::<33>::new(&unlimited(), line, &START).map(|path| path.point(s).unwrap().q[joint]);
     assert!((reached.unwrap() - limit).abs() < 1e-7);
     let outside = [0.2, 0.5, 0.1, 0.3, 0.9, 0.0];
     let line = line_from(&arm, &outside, [0.1; 3], [0.0; 3]);
     let error = CartesianPath::<33>::new(&arm, line, &outside).unwrap_err();
-    assert!(matches!(error, CartesianError::LimitExceeded { s: 0.0, joint: 1, .. }), "{error}");
+    assert!(place(&error) == 0.0 && matches!(error.failure, Failure::LimitExceeded { index: 1, .. }), "{error}");
 }
 
 #[test]
@@ -182,8 +191,8 @@ fn singularities_that_are_crossed_are_named_with_their_place() {
     let [from, to] = [-1.0, 1.0].map(|sign| moved(&middle, [0.1 * sign, 0.15 * sign, -0.2 * sign], [0.0; 3]));
     for start in arm.inverse(&from).unwrap().iter().filter(|start| start.q[0].abs() < 1.0 && start.q[2] > -1.0) {
         let error = CartesianPath::<33>::new(&arm, FlangeLine::new(&from, &to).unwrap(), &start.q).unwrap_err();
-        let CartesianError::Singular { s, singularity: Singularity::Wrist } = error else { panic!("{error}") };
-        assert!((s - 0.5).abs() < 1e-8, "{s}");
+        assert_eq!(error.failure, Failure::Degenerate(Singularity::Wrist.name()));
+        assert!((place(&error) - 0.5).abs() < 1e-8, "{error}");
     }
 
     // The wrist passes axis 1: the flange, held level, moves straight across the base.
@@ -192,33 +201,34 @@ fn singularities_that_are_crossed_are_named_with_their_place() {
     let axis: [f64; 3] = std::array::from_fn(|i| wrist.position[i] - 0.25 * wrist.rotation[i][2]);
     let line = line_from(&arm, &start, [-2.0 * axis[0], -2.0 * axis[1], 0.0], [0.0; 3]);
     let error = CartesianPath::<33>::new(&arm, line, &start).unwrap_err();
-    let CartesianError::Singular { s, singularity: Singularity::Shoulder } = error else { panic!("{error}") };
-    assert!((s - 0.5).abs() < 1e-8, "{s}");
+    assert_eq!(error.failure, Failure::Degenerate(Singularity::Shoulder.name()));
+    assert!((place(&error) - 0.5).abs() < 1e-8, "{error}");
 }
 
 #[test]
 fn what_is_no_line_is_refused() {
     let arm = Arm::default();
     let from = arm.pose(&START);
-    assert_eq!(FlangeLine::new(&from, &from).unwrap_err(), CartesianError::NoMotion);
+    assert_eq!(FlangeLine::new(&from, &from).unwrap_err(), Failure::NoMotion.into());
     let mut mirrored = from;
     mirrored.rotation[0] = mirrored.rotation[0].map(|x| -x);
     let error = FlangeLine::new(&from, &mirrored).unwrap_err();
-    assert!(matches!(error, CartesianError::Rotation { s: 1.0, .. }), "{error}");
+    assert!(place(&error) == 1.0 && matches!(error.failure, Failure::Rotation(_)), "{error}");
     let mut nowhere = from;
     nowhere.position[1] = f64::NAN;
-    assert_eq!(FlangeLine::new(&nowhere, &from).unwrap_err(), CartesianError::NonFinitePosition { s: 0.0 });
+    let error = FlangeLine::new(&nowhere, &from).unwrap_err();
+    assert_eq!(error.to_string(), "s = 0: position[1] must be finite, it is NaN");
     let line = line_from(&arm, &START, [0.1; 3], [0.0; 3]);
     let elsewhere = START.map(|q| q + 0.1);
     let error = CartesianPath::<9>::new(&arm, line, &elsewhere).unwrap_err();
-    assert!(matches!(error, CartesianError::StartElsewhere { .. }), "{error}");
+    assert!(error.to_string().starts_with("distance from the beginning of the line must be at most"), "{error}");
     assert!(CartesianPath::<9>::new(&arm, line, &[f64::NAN; 6]).is_err());
     let path = CartesianPath::<9>::new(&arm, line, &START).unwrap();
-    assert_eq!(path.point(-0.1).unwrap_err(), TrajectoryError::OutsidePath { s: -0.1, length: 1.0 });
+    assert_eq!(path.point(-0.1).unwrap_err(), Must::BeWithin([0.0, 1.0]).broken_by("path parameter", -0.1).into());
     assert!(path.point(f64::NAN).is_err());
     // The wrist in line at the start: joints 4 and 6 are undetermined.
     let singular = [0.2, -1.3, 0.1, 0.3, 0.0, 0.0];
     let line = line_from(&arm, &singular, [0.1; 3], [0.0; 3]);
     let error = CartesianPath::<9>::new(&arm, line, &singular).unwrap_err();
-    assert!(matches!(error, CartesianError::Singular { singularity: Singularity::Wrist, .. }), "{error}");
+    assert_eq!(error.failure, Failure::Degenerate(Singularity::Wrist.name()));
 }

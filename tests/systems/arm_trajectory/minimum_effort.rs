@@ -1,12 +1,12 @@
 //! Motions of least effort against closed forms, and against the differential equations of Pontryagin's principle,
 //! typed by hand and solved by shooting.
 
-use mbs_arm::trajectory::TrajectoryError::{self, *};
 use mbs_arm::trajectory::minimum_effort::{Limits, MinimumEffort, Transfer, minimum_effort};
-use mbs_arm::trajectory::{Motion, Quantity};
+use mbs_arm::trajectory::{Motion, POSITION};
 use mbs_models::cart_pole::{self, CartPole};
 use mbs_models::check::Must;
 use mbs_models::pendulum::{Params, Pendulum};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Dual, Scalar};
 
 mod arm;
@@ -102,35 +102,40 @@ fn a_guess_saves_steps() {
     assert!(warm.iterations() < cold.iterations(), "{} {}", warm.iterations(), cold.iterations());
     assert_eq!(
         minimum_effort(&pendulum, &swing(3.0), 21, Some(&first)).unwrap_err(),
-        GridTooCoarse { intervals: 20, least: 21 }
+        Must::BeWithin([21.0, 21.0]).broken_by("intervals of the guess", 20.0).into()
     );
 }
 
-fn refused(transfer: Transfer<1, 1>) -> TrajectoryError {
+fn refused(transfer: Transfer<1, 1>) -> Error {
     minimum_effort(&wheel(), &transfer, 4, None).unwrap_err()
 }
 
 #[test]
 fn what_cannot_be_is_named() {
     let good = turn(1.0, 2.0, Limits::NONE);
-    assert_eq!(minimum_effort(&wheel(), &good, 0, None).unwrap_err(), GridTooCoarse { intervals: 0, least: 1 });
-    assert_eq!(refused(Transfer { duration: -1.0, ..good }), Invalid(Must::BePositive.broken_by("duration", -1.0)));
-    assert_eq!(refused(Transfer { scale: [0.0], ..good }), Invalid(Must::BePositive.broken_by("scale", 0.0)));
-    assert_eq!(
-        refused(Transfer { start: [[f64::NAN], [0.0]], ..good }),
-        NonFinite { quantity: Quantity::Position, joint: 0 }
-    );
-    let limit = |quantity, value| InvalidLimit { quantity, joint: 0, value };
+    let none = Must::BePositive.broken_by("intervals", 0.0);
+    assert_eq!(minimum_effort(&wheel(), &good, 0, None).unwrap_err(), none.into());
+    assert_eq!(refused(Transfer { duration: -1.0, ..good }), Must::BePositive.broken_by("duration", -1.0).into());
+    assert_eq!(refused(Transfer { scale: [0.0], ..good }), Must::BePositive.broken_by("scale", 0.0).into());
+    let nowhere = refused(Transfer { start: [[f64::NAN], [0.0]], ..good });
+    assert!(nowhere.invalid().is_some_and(|wrong| wrong.parameter == POSITION), "{nowhere}");
     let limited = |limits| refused(Transfer { limits, ..good });
-    assert_eq!(limited(Limits { speed: [0.0], ..Limits::NONE }), limit(Quantity::Velocity, 0.0));
-    assert_eq!(limited(Limits { input: [-2.0], ..Limits::NONE }), limit(Quantity::Torque, -2.0));
-    assert_eq!(limited(Limits { lower: [2.0], upper: [1.0], ..Limits::NONE }), limit(Quantity::Position, 1.0));
+    assert_eq!(
+        limited(Limits { speed: [0.0], ..Limits::NONE }),
+        Must::BeMoreThan(0.0).broken_by("largest speed", 0.0).into()
+    );
+    assert_eq!(
+        limited(Limits { input: [-2.0], ..Limits::NONE }),
+        Must::BeMoreThan(0.0).broken_by("largest input", -2.0).into()
+    );
+    let crossed = Must::BeMoreThan(2.0).broken_by("largest angle of joint", 1.0).of(0);
+    assert_eq!(limited(Limits { lower: [2.0], upper: [1.0], ..Limits::NONE }), crossed.into());
     assert_eq!(
         limited(Limits { upper: [0.5], ..Limits::NONE }),
-        LimitExceeded { quantity: Quantity::Position, joint: 0, time: 2.0, value: 1.0, limit: 0.5 }
+        Failure::LimitExceeded { quantity: POSITION, index: 0, value: 1.0, limit: 0.5 }.at_time(2.0)
     );
     // 1 rad in 2 s asks for 1 N·m at least, bang-bang.
     let found = limited(Limits { input: [0.9], ..Limits::NONE });
-    assert!(matches!(found, NoOptimum { defect, .. } if defect > 1e-3), "{found}");
+    assert!(matches!(found.failure, Failure::NotConverged { residual, .. } if residual > 1e-3), "{found}");
     assert!(minimum_effort(&wheel(), &good, 4, None).unwrap().input_at(2.1).is_err());
 }

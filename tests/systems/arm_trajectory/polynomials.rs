@@ -1,11 +1,10 @@
 //! Conditions, continuity and extrema of the polynomials, at random data.
 
-use mbs_arm::trajectory::Quantity;
-use mbs_arm::trajectory::TrajectoryError::LimitExceeded;
 use mbs_arm::trajectory::{
-    Extrema, JointState, Knot, Motion, Piecewise, RateLimits, quartic, quintic, quintic_between, through, trapezoidal,
-    trapezoidal_within, two_piece_quartic,
+    ACCELERATION, Extrema, JointState, Knot, Motion, POSITION, Piecewise, RateLimits, VELOCITY, quartic, quintic,
+    quintic_between, through, trapezoidal, trapezoidal_within, two_piece_quartic,
 };
+use mbs_models::{At, Failure};
 use mbs_tests::compare::assert_close;
 use mbs_tests::random::Random;
 
@@ -174,18 +173,19 @@ fn limits_that_are_exceeded_are_named() {
     let highest = motion.position_extrema()[1].highest;
     assert!(highest.value > 1.5);
     let error =
-        LimitExceeded { quantity: Quantity::Position, joint: 1, time: highest.time, value: highest.value, limit: 1.5 };
+        Failure::LimitExceeded { quantity: POSITION, index: 1, value: highest.value, limit: 1.5 }.at_time(highest.time);
     assert_eq!(motion.check_ranges(&ranges), Err(error));
     assert_eq!(motion.check_ranges(&[[-1.0, 1.5], [-1.0, 9.0]]), Ok(()));
 
     let fastest = motion.velocity_extrema()[0].highest;
     let limits = RateLimits { speed: [0.5, 9.0], acceleration: [9.0; 2] };
     let error =
-        LimitExceeded { quantity: Quantity::Velocity, joint: 0, time: fastest.time, value: fastest.value, limit: 0.5 };
+        Failure::LimitExceeded { quantity: VELOCITY, index: 0, value: fastest.value, limit: 0.5 }.at_time(fastest.time);
     assert!((fastest.time - 2.0).abs() < 1e-14);
     assert_eq!(motion.check_rates(&limits), Err(error));
     let limits = RateLimits { speed: [9.0; 2], acceleration: [1.0, 9.0] };
     let error = motion.check_rates(&limits).unwrap_err();
-    assert!(matches!(error, LimitExceeded { quantity: Quantity::Acceleration, joint: 0, time: 3.0, .. }), "{error}");
+    assert_eq!(error.at, Some(At::Time(3.0)));
+    assert!(matches!(error.failure, Failure::LimitExceeded { quantity: ACCELERATION, index: 0, .. }), "{error}");
     assert_eq!(motion.check_rates(&RateLimits { speed: [9.0; 2], acceleration: [9.0; 2] }), Ok(()));
 }

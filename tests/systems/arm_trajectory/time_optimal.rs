@@ -1,13 +1,13 @@
 //! The fastest motion along a path: against closed forms where there are, and against its limits where there are none.
 
-use mbs_arm::trajectory::TrajectoryError;
-use mbs_arm::trajectory::time_optimal::{MotorLimits, TimeOptimal, retime};
+use mbs_arm::trajectory::time_optimal::{MotorLimits, SPEED, TimeOptimal, retime};
 use mbs_arm::trajectory::{
-    JointPath, JointState, Knot, Motion, PathPoint, Quantity, RateLimits, StraightPath, through,
+    JointPath, JointState, Knot, Motion, PathPoint, RateLimits, StraightPath, VELOCITY, through,
 };
 use mbs_models::check::Must;
 use mbs_models::irb7600::Irb7600;
 use mbs_models::pendulum::{Params, Pendulum};
+use mbs_models::{At, Error, Failure};
 
 use super::table2_ends;
 
@@ -151,25 +151,27 @@ fn what_cannot_be_timed_is_refused() {
     let free = pendulum(0.0, 0.0);
     let limits = one_joint(1.0, 1.0, 1.0);
     let refused = |limits: &MotorLimits<1>, intervals| retime(path, &free, limits, intervals).unwrap_err();
-    assert_eq!(refused(&limits, 3), TrajectoryError::GridTooCoarse { intervals: 3, least: 4 });
-    for (limits, quantity, value) in [
-        (one_joint(0.0, 1.0, 1.0), Quantity::Velocity, 0.0),
-        (one_joint(1.0, -1.0, 1.0), Quantity::Acceleration, -1.0),
-        (one_joint(1.0, 1.0, 0.0), Quantity::Torque, 0.0),
-        (one_joint(UNLIMITED, UNLIMITED, UNLIMITED), Quantity::Velocity, UNLIMITED),
+    assert_eq!(refused(&limits, 3), Must::BeAtLeast(4.0).broken_by("intervals", 3.0).into());
+    let positive = Must::BeMoreThan(0.0);
+    for (limits, expected) in [
+        (one_joint(0.0, 1.0, 1.0), positive.broken_by("largest speed", 0.0)),
+        (one_joint(1.0, -1.0, 1.0), positive.broken_by("largest acceleration", -1.0)),
+        (one_joint(1.0, 1.0, 0.0), positive.broken_by("largest torque", 0.0)),
+        (one_joint(UNLIMITED, UNLIMITED, UNLIMITED), Must::BeFinite.broken_by("largest speed", UNLIMITED).of(0)),
     ] {
-        assert_eq!(refused(&limits, 10), TrajectoryError::InvalidLimit { quantity, joint: 0, value });
+        assert_eq!(refused(&limits, 10), expected.into());
     }
     assert!(retime(path, &free, &one_joint(f64::NAN, 1.0, 1.0), 10).is_err());
     // The weight is too much for the motor from 0.5 rad on, however fast it comes.
     let error = retime(path, &pendulum(9.0, 0.0), &one_joint(0.1, UNLIMITED, 18.0 * 0.5_f64.sin()), 300).unwrap_err();
-    let TrajectoryError::Infeasible { s } = error else { panic!("{error}") };
+    let Error { failure: Failure::Missing(SPEED), at: Some(At::Path(s)) } = error else { panic!("{error}") };
     assert!((0.5..3.0).contains(&(3.0 * s)), "{s}");
     let error = retime(path, &pendulum(0.0, 0.3), &limits, 10).unwrap_err();
-    assert_eq!(error, TrajectoryError::VelocityForce { s: 0.0, joint: 0 });
+    assert_eq!(error.at, Some(At::Path(0.0)));
+    assert!(error.to_string().contains("force that grows with the velocity of joint"), "{error}");
     // A motion from rest has no tangent there.
     let motion = mbs_arm::trajectory::quintic([0.0], [0.0], [1.0], 1.0).unwrap();
-    assert_eq!(retime(motion, &free, &limits, 10).unwrap_err(), TrajectoryError::PathStandsStill { s: 0.0 });
+    assert_eq!(retime(motion, &free, &limits, 10).unwrap_err(), Failure::NoMotion.at_path(0.0));
 }
 
 /// A path whose length is what it says.
@@ -181,7 +183,7 @@ impl JointPath<1> for Claimed {
         self.0
     }
 
-    fn point(&self, s: f64) -> Result<PathPoint<1>, TrajectoryError> {
+    fn point(&self, s: f64) -> Result<PathPoint<1>, Error> {
         Ok(PathPoint { q: [s], tangent: [f64::NAN], curvature: [0.0] })
     }
 }
@@ -191,13 +193,13 @@ fn paths_that_are_none_are_refused() {
     let limits = one_joint(1.0, 1.0, 1.0);
     for length in [0.0, -1.0, f64::INFINITY] {
         let error = retime(Claimed(length), &pendulum(0.0, 0.0), &limits, 10).unwrap_err();
-        assert_eq!(error, TrajectoryError::Invalid(Must::BePositive.broken_by("length", length)));
+        assert_eq!(error, Must::BePositive.broken_by("length", length).into());
     }
     assert!(retime(Claimed(f64::NAN), &pendulum(0.0, 0.0), &limits, 10).is_err());
     let error = retime(Claimed(1.0), &pendulum(0.0, 0.0), &limits, 10).unwrap_err();
-    assert_eq!(error, TrajectoryError::NonFinite { quantity: Quantity::Velocity, joint: 0 });
+    assert!(error.invalid().is_some_and(|wrong| wrong.parameter == VELOCITY), "{error}");
     assert_eq!(
         StraightPath::new([0.0], [1.0]).unwrap().point(1.5).unwrap_err(),
-        TrajectoryError::OutsidePath { s: 1.5, length: 1.0 }
+        Must::BeWithin([0.0, 1.0]).broken_by("path parameter", 1.5).into()
     );
 }

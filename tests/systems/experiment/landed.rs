@@ -2,10 +2,11 @@
 
 use mbs_landing::experiment::Experiment;
 use mbs_landing::experiment::collision::{Body, Shapes};
+use mbs_landing::experiment::error::Infeasible;
 use mbs_landing::experiment::flight::Flight;
 use mbs_landing::experiment::inbound::Inbound;
 use mbs_landing::experiment::landed::{Landed, Meeting};
-use mbs_landing::experiment::tracking::{Tracking, TrackingError};
+use mbs_landing::experiment::tracking::Tracking;
 use mbs_landing::quadrotor::gear::Gear;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
@@ -101,11 +102,14 @@ fn numbers_that_are_none_are_refused() {
         ];
         for landed in bad {
             let error = plan.land(&landed, 12.5, |_| ()).expect_err("refused");
-            assert!(matches!(error, TrackingError::Invalid(_) | TrackingError::InvalidPeriod { .. }), "{error}");
+            assert!(matches!(error, Infeasible::Refused(error) if error.invalid().is_some()), "{error}");
         }
     }
     let outside = plan.land(&good, 20.0, |_| ()).expect_err("after the flight");
-    assert!(matches!(outside, TrackingError::Infeasible(_)), "{outside}");
+    assert!(
+        matches!(outside, Infeasible::Refused(error) if error.invalid().is_some_and(|wrong| wrong.parameter == "time")),
+        "{outside}"
+    );
 }
 
 /// Thicker bodies break what was feasible, with their names; a way that takes no time is none.

@@ -1,8 +1,9 @@
 //! Motions that are played back, and landings on them.
 
 use mbs_landing::quadrotor::deck::MovingDeck;
-use mbs_landing::quadrotor::landing::{Landing, LandingError, Plant};
+use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_models::marine_platform::Params;
+use mbs_models::{At, Error, Failure};
 use mbs_platform::marine::control::{Regulator, Weights};
 use mbs_platform::marine::excitation::Excitation;
 use mbs_platform::marine::recorded::Recorded;
@@ -71,7 +72,10 @@ fn a_record_carries_a_landing() {
     assert!((found.time - expected.time).abs() < 1e-8, "{} {}", found.time, expected.time);
     assert!((found.horizontal_offset - expected.horizontal_offset).abs() < 1e-7);
     let short = record(&samples[..100]).simulate(start, |_, _, _| ());
-    assert!(matches!(short, Err(LandingError::Deck { time }) if (4.9..5.0).contains(&time)), "{short:?}");
+    assert!(
+        matches!(short, Err(Error { failure: Failure::NotFinite("the deck"), at: Some(At::Time(time)) }) if (4.9..5.0).contains(&time)),
+        "{short:?}"
+    );
 }
 
 /// The vehicle touches down on the deck of the simulated platform, at the point and with the sink rate that it was

@@ -3,9 +3,9 @@
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
-use mbs_platform::control::NotControlled;
-use mbs_platform::limits::{InvalidLimits, NotSurveyed};
-use mbs_platform::{ActuatorLimits, Coordinates, HOME, LegVector, Motion, Platform, PoseError, Quantity};
+use mbs_models::check::{Invalid, Must};
+use mbs_models::{At, Error, Failure};
+use mbs_platform::{ActuatorLimits, Coordinates, HOME, LegVector, Motion, Platform, Quantity};
 use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Dop853, Integrator, State};
 
@@ -49,12 +49,8 @@ fn surveys_without_samples_or_without_end_are_refused() {
         (4.0, f64::MIN_POSITIVE),
     ];
     for (end, step) in bad {
-        match platform.survey(&motion, end, step) {
-            Err(NotSurveyed::InvalidSampling { end: found_end, step: found_step }) => {
-                assert_eq!([found_end, found_step].map(f64::to_bits), [end, step].map(f64::to_bits));
-            }
-            other => panic!("{end} {step}: {other:?}"),
-        }
+        let named = platform.survey(&motion, end, step).unwrap_err().invalid().expect("a number").parameter;
+        assert!(["step", "end", "number of samples"].contains(&named), "{end} {step}: {named}");
     }
     // One sample: the start.
     for (end, step) in [(0.0, 0.01), (0.5, 1.0)] {
@@ -66,7 +62,10 @@ fn surveys_without_samples_or_without_end_are_refused() {
     // The moment at which a pose ends it: level at 0 s, upended after a second.
     let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
     let upended = platform.survey(&turning, 4.0, 1.0);
-    assert!(matches!(upended, Err(NotSurveyed::Pose { time: 1.0, error: PoseError::Singular { .. } })), "{upended:?}");
+    assert!(
+        matches!(upended, Err(Error { failure: Failure::Singular { .. }, at: Some(At::Time(1.0)) })),
+        "{upended:?}"
+    );
 }
 
 #[test]
@@ -77,35 +76,32 @@ fn limits_that_nothing_can_keep_are_refused() {
     let free = ActuatorLimits { shortest: 0.0, longest: f64::INFINITY, speed: f64::INFINITY, force: f64::INFINITY };
     assert_eq!(free.check(), Ok(()));
     let crossed = ActuatorLimits { shortest: 1.8, ..good };
-    assert_eq!(crossed.check(), Err(InvalidLimits::Stroke { shortest: 1.8, longest: 1.70 }));
+    assert_eq!(crossed.check(), Err(Must::BeAtLeast(1.8).broken_by("longest length", 1.70)));
     for limits in [
         ActuatorLimits { shortest: -0.1, ..good },
         ActuatorLimits { shortest: f64::NAN, ..good },
         ActuatorLimits { longest: f64::NAN, ..good },
     ] {
-        assert!(matches!(limits.check(), Err(InvalidLimits::Stroke { .. })), "{limits:?}");
+        assert!(matches!(limits.check(), Err(Invalid { must: Must::BeAtLeast(_), .. })), "{limits:?}");
     }
     let control = ComputedTorque::critically_damped(5.0).unwrap();
     for bad in [0.0, -1.0, f64::NAN] {
         for (limits, of) in [
-            (ActuatorLimits { speed: bad, ..good }, Quantity::Speed),
-            (ActuatorLimits { force: bad, ..good }, Quantity::Force),
+            (ActuatorLimits { speed: bad, ..good }, "largest speed"),
+            (ActuatorLimits { force: bad, ..good }, "largest force"),
         ] {
             let refused = limits.check().unwrap_err();
-            assert!(
-                matches!(refused, InvalidLimits::Bound { quantity, bound } if quantity == of && bound.to_bits() == bad.to_bits()),
-                "{refused:?}"
-            );
+            assert!(refused.parameter == of && refused.value.to_bits() == bad.to_bits(), "{refused:?}");
             // Who uses them refuses them.
             platform.limits = limits;
             let survey = platform.survey(&Motion::COMBINED, 1.0, 0.1);
-            assert!(matches!(survey, Err(NotSurveyed::Limits(InvalidLimits::Bound { .. }))), "{survey:?}");
+            assert_eq!(survey.unwrap_err().to_string(), refused.to_string());
             let forces = platform.limited_forces(&control, &Motion::COMBINED.at(0.0), &HOME, &[0.0; 6]);
-            assert!(matches!(forces, Err(NotControlled::Limits(InvalidLimits::Bound { .. }))), "{forces:?}");
+            assert_eq!(forces.unwrap_err().to_string(), refused.to_string());
         }
     }
     let weak = ActuatorLimits { force: -5.0, ..good }.check().unwrap_err();
-    assert_eq!(weak.to_string(), "the largest force must be positive, found -5 N");
+    assert_eq!(weak.to_string(), "largest force must be more than 0, it is -5");
 }
 
 /// The errors obey `ë + 2 ω ė + ω² e = 0`, of which the solution is known.

@@ -2,8 +2,9 @@
 //! parameters, the generated `linearize_parameters`, and textbook formulas by hand.
 
 use mbs_models::stewart_platform::{PARAMETERS, Params};
-use mbs_platform::sensitivity::{Output, Parameter, UnknownName};
-use mbs_platform::{HOME, Motion, Platform, PoseError};
+use mbs_models::{Error, Failure};
+use mbs_platform::sensitivity::{Output, Parameter};
+use mbs_platform::{HOME, Motion, NOT_FINITE, Platform};
 use mbs_runtime::to_matrix;
 use mbs_tests::compare::assert_close;
 use nalgebra::SMatrix;
@@ -122,8 +123,8 @@ fn names_and_units() {
     names.sort_unstable();
     names.dedup();
     assert_eq!(names.len(), 25 + 19 + 24 + 1);
-    assert_eq!("force_7".parse::<Output>(), Err(UnknownName));
-    assert_eq!("mass".parse::<Parameter>(), Err(UnknownName));
+    assert_eq!("force_7".parse::<Output>(), Err(Failure::Missing("output of this name").into()));
+    assert_eq!("mass".parse::<Parameter>(), Err(Failure::Missing("parameter of this name").into()));
     // As declared; angles are declared in degrees and are radians.
     let (_, source) = mbs_models::SOURCES.iter().find(|(module, _)| *module == "stewart_platform").unwrap();
     let mut declared = Vec::new();
@@ -141,12 +142,12 @@ fn names_and_units() {
 fn poses_without_legs_or_forces_are_refused() {
     let motion = Motion { mean: [f64::NAN; 6], ..Motion::TABLE_3 };
     let refused = Platform::default().leg_state_by(Parameter::Omega, &motion, 0.0);
-    assert_eq!(refused.unwrap_err(), PoseError::NonFinite);
+    assert_eq!(refused.unwrap_err(), NOT_FINITE.into());
     let refused = Platform::default().leg_state_by(Parameter::Omega, &Motion::TABLE_3, f64::INFINITY);
-    assert_eq!(refused.unwrap_err(), PoseError::NonFinite);
+    assert_eq!(refused.unwrap_err(), NOT_FINITE.into());
     // On its side the angles tell nothing.
     let motion =
         Motion { mean: [0.0, 0.0, 1.5, 0.0, std::f64::consts::FRAC_PI_2, 0.0], sine: [0.0; 6], ..Motion::CASES[1].1 };
     let refused = Platform::default().leg_state_by(Parameter::Platform(8), &motion, 0.0);
-    assert!(matches!(refused, Err(PoseError::Singular { .. })), "{refused:?}");
+    assert!(matches!(refused, Err(Error { failure: Failure::Singular { .. }, .. })), "{refused:?}");
 }

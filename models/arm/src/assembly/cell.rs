@@ -3,7 +3,7 @@
 //! Coordinates are the four of [`Scara`], then x, y, z of the peg's mass centre \[m\] and its tilt in the plane of x
 //! and z \[rad\]; the last one is no coordinate: its velocity is the work done on all of it less what was lost \[J\].
 
-use mbs_models::check::{Invalid, finite, not_negative, positive};
+use mbs_models::check::{Invalid, Must, finite, not_negative, positive};
 use mbs_models::scara::{Params, Scara};
 use mbs_runtime::{Scalar, State};
 
@@ -59,18 +59,6 @@ pub struct Cell {
     pub control: Impedance,
 }
 
-/// A place that the arms do not reach.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{distance} m from the axis cannot be reached, only {least} m to {greatest} m")]
-pub struct Unreachable {
-    /// From the first axis \[m\].
-    pub distance: f64,
-    /// The least distance that is reached \[m\].
-    pub least: f64,
-    /// The greatest distance that is reached \[m\].
-    pub greatest: f64,
-}
-
 impl Cell {
     /// Whether all numbers are such that it can work.
     ///
@@ -91,13 +79,15 @@ impl Cell {
     /// The joints with the flange at a place, its yaw zero, the elbow to the right: law of cosines.
     ///
     /// # Errors
-    /// [`Unreachable`], also where the arms are stretched or folded, and can only turn.
-    pub fn posture(&self, [x, y, z]: [f64; 3]) -> Result<[f64; 4], Unreachable> {
+    /// [`Invalid`] for a place that the arms do not reach, also where the arms are stretched or folded, and can only
+    /// turn.
+    pub fn posture(&self, [x, y, z]: [f64; 3]) -> Result<[f64; 4], Invalid> {
         let [l1, l2] = self.params.length;
         let distance = Scalar::sqrt(x * x + y * y);
         let cos = (distance * distance - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
-        if !(cos.abs() < 1.0 && z.is_finite()) {
-            return Err(Unreachable { distance, least: (l1 - l2).abs(), greatest: l1 + l2 });
+        finite("place", [x, y, z])?;
+        if cos.is_nan() || cos.abs() >= 1.0 {
+            return Err(Must::BeWithin([(l1 - l2).abs(), l1 + l2]).broken_by("distance from the first axis", distance));
         }
         let sin = Scalar::sqrt(1.0 - cos * cos);
         let elbow = Scalar::atan2(sin, cos);
@@ -108,8 +98,8 @@ impl Cell {
     /// At rest with the flange at a place, the peg hanging still from it.
     ///
     /// # Errors
-    /// [`Unreachable`]
-    pub fn rest(&self, place: [f64; 3]) -> Result<State<Numbers>, Unreachable> {
+    /// [`Invalid`] for a place that the arms do not reach.
+    pub fn rest(&self, place: [f64; 3]) -> Result<State<Numbers>, Invalid> {
         let [a, b, c, d] = self.posture(place)?;
         let sag = self.peg.mass * self.params.g / self.wrist.stiffness[1];
         let height = place[2] - self.wrist.length + self.peg.centre - sag;

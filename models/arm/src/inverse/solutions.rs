@@ -5,7 +5,8 @@ use core::ops::Deref;
 
 use super::{Branch, Elbow, Shoulder, Singularities, Solution, Wrist};
 use crate::JointVector;
-use crate::limits::{InvalidLimits, JointLimits};
+use crate::limits::JointLimits;
+use mbs_models::{Error, Failure};
 
 /// Up to eight configurations, as a slice.
 ///
@@ -18,26 +19,9 @@ pub struct Solutions {
     len: usize,
 }
 
-/// Why none of the configurations of a pose is within the ranges of the joints.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum OutsideLimits {
-    /// The limits that were given are none, for the reason inside.
-    #[error(transparent)]
-    Limits(#[from] InvalidLimits),
-    /// All configurations have an angle that no turn brings into its range.
-    #[error("every configuration crosses a limit, the best one that of joint {joint} by {by} rad")]
-    Crossed {
-        /// The configuration that is outside by least.
-        best: Solution,
-        /// Its joint that is outside by most, counted from 0.
-        joint: usize,
-        /// By how much \[rad\].
-        by: f64,
-    },
-    /// There are no configurations.
-    #[error("there are no configurations to choose from")]
-    Empty,
-}
+/// What [exceeds a limit](Failure::LimitExceeded) where no turn brings an angle of any configuration into its range
+/// \[rad\].
+pub const EXCESS: &str = "excess of the best configuration over the range of joint";
 
 impl Solutions {
     pub(super) fn none() -> Self {
@@ -88,8 +72,9 @@ impl Solutions {
     /// As [`nearest`](Self::nearest), and why there is none.
     ///
     /// # Errors
-    /// [`OutsideLimits`]: by how much the limits are crossed, or that they are none.
-    pub fn choose(&self, limits: &JointLimits, near: &JointVector) -> Result<Solution, OutsideLimits> {
+    /// [`Failure::LimitExceeded`]: [by how much](EXCESS) the configuration that is outside by least crosses a limit,
+    /// and of which joint; else that there are no limits, or no configurations.
+    pub fn choose(&self, limits: &JointLimits, near: &JointVector) -> Result<Solution, Error> {
         limits.check()?;
         if let Some(solution) = self.nearest(limits, near) {
             return Ok(solution);
@@ -97,10 +82,17 @@ impl Solutions {
         let outside = |solution: &Solution| {
             let joints = (0..6).map(|joint| (joint, limits.excess(joint, solution.q[joint])));
             let (joint, by) = joints.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0));
-            (*solution, joint, by)
+            (joint, by)
         };
-        let best = self.iter().map(outside).min_by(|a, b| a.2.total_cmp(&b.2));
-        Err(best.map_or(OutsideLimits::Empty, |(best, joint, by)| OutsideLimits::Crossed { best, joint, by }))
+        let best = self.iter().map(outside).min_by(|a, b| a.1.total_cmp(&b.1));
+        Err(best
+            .map_or(Failure::Missing("configuration to choose from"), |(index, value)| Failure::LimitExceeded {
+                quantity: EXCESS,
+                index,
+                value,
+                limit: 0.0,
+            })
+            .into())
     }
 
     /// The one of this branch.

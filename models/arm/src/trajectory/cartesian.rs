@@ -22,12 +22,14 @@
 use core::f64::consts::TAU;
 use core::fmt;
 
-use mbs_runtime::attitude::{NotARotation, difference, exp, orthonormalized};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
+use mbs_runtime::attitude::{difference, exp, orthonormalized};
 use mbs_runtime::{Dual, Pose, to_matrix, to_rows};
 use nalgebra::{Matrix3, Vector3};
 
-use super::{JointPath, PathPoint, TrajectoryError};
-use crate::inverse::{Branch, InverseKinematics, L1, Solution, Unsolvable};
+use super::{JointPath, POSITION, PathPoint};
+use crate::inverse::{Branch, InverseKinematics, L1, Solution};
 use crate::jacobian::determinant_factors;
 use crate::{A1, A2, Arm, JointVector};
 use mbs_models::irb7600::Irb7600;
@@ -50,20 +52,17 @@ impl FlangeLine {
     /// # Errors
     /// Matrices that are no rotations, or too far from one to be orthonormalized; positions that are not finite; poses
     /// that are the same.
-    pub fn new(from: &Pose<f64>, to: &Pose<f64>) -> Result<Self, CartesianError> {
-        let rotation = |pose: &Pose<f64>, s| {
-            orthonormalized(&pose.rotation).map_err(|error| CartesianError::Rotation { s, error })
-        };
+    pub fn new(from: &Pose<f64>, to: &Pose<f64>) -> Result<Self, Error> {
+        let rotation =
+            |pose: &Pose<f64>, s| orthonormalized(&pose.rotation).map_err(|error| Failure::from(error).at_path(s));
         for (pose, s) in [(from, 0.0), (to, 1.0)] {
-            if !pose.position.iter().all(|x| x.is_finite()) {
-                return Err(CartesianError::NonFinitePosition { s });
-            }
+            check::finite("position", pose.position).map_err(|error| error.at_path(s))?;
         }
         let (start, stop) = (rotation(from, 0.0)?, rotation(to, 1.0)?);
         let way = core::array::from_fn(|i| to.position[i] - from.position[i]);
         let turn = Vector3::from(difference(&stop, &start));
         if way == [0.0; 3] && start == stop {
-            return Err(CartesianError::NoMotion);
+            return Err(Failure::NoMotion.into());
         }
         Ok(Self { position: from.position, way, rotation: to_matrix(&start), turn })
     }
@@ -99,6 +98,11 @@ pub struct CartesianPath<'a, const K: usize> {
     postures: [JointVector; K],
 }
 
+/// What is [missing](Failure::Missing) where a pose is reached on other branches, but not on the one asked for.
+pub const ON_BRANCH: &str = "configuration on the branch";
+/// What is too much where more postures must be kept along the line \[rad\].
+pub const TURN: &str = "turn from one posture kept to the next of joint";
+
 /// How far a posture may be from that at the start of the line \[m, rad\].
 const START_TOLERANCE: f64 = 1e-6;
 /// A step along the line turns no joint by more \[rad\].
@@ -116,19 +120,18 @@ impl<'a, const K: usize> CartesianPath<'a, K> {
     /// [`Arm::limits`].
     ///
     /// # Errors
-    /// [`CartesianError`] with the place along the line: where it leaves the reach, where a joint comes to the end of
-    /// its range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1 rad in 1e-10 of the
-    /// line.
-    pub fn new(arm: &'a Arm, line: FlangeLine, start: &JointVector) -> Result<Self, CartesianError> {
+    /// [`Error`] with the place along the line: where it leaves the reach or the [branch](ON_BRANCH), where a joint
+    /// comes to the end of its range, where the arm becomes singular, or so nearly that a joint turns by more than 0.1
+    /// rad in 1e-10 of the line.
+    pub fn new(arm: &'a Arm, line: FlangeLine, start: &JointVector) -> Result<Self, Error> {
         const { assert!(K > 1, "both ends of the line are kept") };
         check_start(arm, &line, start)?;
         let mut path = Self { arm, dual: Irb7600::default(), line, branch: branch_of(start), postures: [*start; K] };
         for k in 1..K {
             let [from, to] = [k - 1, k].map(|k| k as f64 / (K - 1) as f64);
             let q = path.follow(path.postures[k - 1], from, to)?;
-            if let Some(joint) = (0..6).find(|&i| (q[i] - path.postures[k - 1][i]).abs() >= APART) {
-                return Err(CartesianError::TooFewPostures { s: to, joint });
-            }
+            let apart: [f64; 6] = core::array::from_fn(|i| (q[i] - path.postures[k - 1][i]).abs());
+            Must::BeLessThan(APART).check(TURN, apart).map_err(|error| error.at_path(to))?;
             path.postures[k] = q;
         }
         Ok(path)
@@ -153,7 +156,7 @@ impl<'a, const K: usize> CartesianPath<'a, K> {
     }
 
     /// From the posture `q` at `s` to the one at `end`, by steps in which no joint jumps.
-    fn follow(&self, mut q: JointVector, mut s: f64, end: f64) -> Result<JointVector, CartesianError> {
+    fn follow(&self, mut q: JointVector, mut s: f64, end: f64) -> Result<JointVector, Error> {
         let mut step = end - s;
         while s < end {
             let next = if s + step >= end { end } else { s + step };
@@ -167,35 +170,34 @@ impl<'a, const K: usize> CartesianPath<'a, K> {
     }
 
     /// The posture at `s` near `q`.
-    fn step(&self, q: &JointVector, s: f64) -> Result<JointVector, CartesianError> {
+    fn step(&self, q: &JointVector, s: f64) -> Result<JointVector, Error> {
         let found = self.solve(q, s)?;
         if (0..6).any(|i| (found[i] - q[i]).abs() > STEP) {
-            return Err(CartesianError::Singular { s, singularity: nearest_singularity(q) });
+            return Err(Failure::Degenerate(nearest_singularity(q).name()).at_path(s));
         }
         for joint in 0..6 {
             if !self.arm.limits.admits(joint, found[joint]) {
                 let (angle, limits) = (found[joint], &self.arm.limits);
                 let limit = if angle < limits.lower[joint] { limits.lower[joint] } else { limits.upper[joint] };
-                return Err(CartesianError::LimitExceeded { s, joint, angle, limit });
+                return Err(out_of_range(joint, angle, limit).at_path(s));
             }
         }
         Ok(found)
     }
 
     /// The posture at `s` on the branch, by whole turns next to `near`.
-    fn solve(&self, near: &JointVector, s: f64) -> Result<JointVector, CartesianError> {
+    fn solve(&self, near: &JointVector, s: f64) -> Result<JointVector, Error> {
         let inverse = InverseKinematics { reference: *near, ..InverseKinematics::default() };
-        let solutions =
-            inverse.solve(&self.line.pose(s)).map_err(|reason| CartesianError::Unreachable { s, reason })?;
+        let solutions = inverse.solve(&self.line.pose(s)).map_err(|error| error.or_at_path(s))?;
         match solutions.of_branch(self.branch) {
             Some(Solution { q, singular, .. }) if !singular.any() => {
                 Ok(core::array::from_fn(|i| q[i] + TAU * turns(near[i] - q[i])))
             }
             // One shoulder alone reaches the pose where it is not this one.
             None if !solutions.iter().any(|solution| solution.singular.any()) => {
-                Err(CartesianError::BranchEnds { s, branch: self.branch })
+                Err(Failure::Missing(ON_BRANCH).at_path(s))
             }
-            _ => Err(CartesianError::Singular { s, singularity: nearest_singularity(near) }),
+            _ => Err(Failure::Degenerate(nearest_singularity(near).name()).at_path(s)),
         }
     }
 
@@ -214,11 +216,9 @@ impl<const K: usize> JointPath<6> for CartesianPath<'_, K> {
         1.0
     }
 
-    fn point(&self, s: f64) -> Result<PathPoint<6>, TrajectoryError> {
-        if !(0.0..=1.0).contains(&s) {
-            return Err(TrajectoryError::OutsidePath { s, length: 1.0 });
-        }
-        let singular = TrajectoryError::PathSingular { s };
+    fn point(&self, s: f64) -> Result<PathPoint<6>, Error> {
+        check::within("path parameter", s, [0.0, 1.0])?;
+        let singular = Failure::Degenerate("path").at_path(s);
         let q = self.solve(&self.interpolated(s), s).map_err(|_| singular)?;
         let tangent = self.arm.joint_velocity(&q, &self.line.twist()).map_err(|_| singular)?;
         let moving: [Dual<f64>; 6] = core::array::from_fn(|i| Dual { value: q[i], derivative: tangent[i] });
@@ -229,20 +229,22 @@ impl<const K: usize> JointPath<6> for CartesianPath<'_, K> {
     }
 }
 
-fn check_start(arm: &Arm, line: &FlangeLine, start: &JointVector) -> Result<(), CartesianError> {
+fn out_of_range(index: usize, value: f64, limit: f64) -> Failure {
+    Failure::LimitExceeded { quantity: POSITION, index, value, limit }
+}
+
+fn check_start(arm: &Arm, line: &FlangeLine, start: &JointVector) -> Result<(), Error> {
     let (found, expected) = (arm.pose(start), line.pose(0.0));
     let apart: [f64; 3] = core::array::from_fn(|i| found.position[i] - expected.position[i]);
     let distance = Vector3::from(apart).norm();
     let angle = Vector3::from(difference(&found.rotation, &expected.rotation)).norm();
-    // NaN fails the comparison.
-    if !(distance <= START_TOLERANCE && angle <= START_TOLERANCE) {
-        return Err(CartesianError::StartElsewhere { distance, angle });
-    }
+    Must::BeAtMost(START_TOLERANCE).check("distance from the beginning of the line", distance)?;
+    Must::BeAtMost(START_TOLERANCE).check("turn from the beginning of the line", angle)?;
     match arm.limits.violation(start) {
         Some(joint) => {
             let angle = start[joint];
             let limit = if angle < arm.limits.lower[joint] { arm.limits.lower[joint] } else { arm.limits.upper[joint] };
-            Err(CartesianError::LimitExceeded { s: 0.0, joint, angle, limit })
+            Err(out_of_range(joint, angle, limit).at_path(0.0))
         }
         None => Ok(()),
     }
@@ -291,86 +293,20 @@ pub enum Singularity {
     Wrist,
 }
 
-impl fmt::Display for Singularity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Singularity {
+    /// What is [degenerate](Failure::Degenerate) then.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Shoulder => "shoulder",
             Self::Elbow => "elbow",
             Self::Wrist => "wrist",
-        })
+        }
     }
 }
 
-/// Why the flange cannot follow a line; `s` is the part of the line that is over. Joints are counted from 0.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum CartesianError {
-    /// The attitude at an end is none.
-    #[error("at s = {s}: {error}")]
-    Rotation {
-        /// 0 or 1.
-        s: f64,
-        /// Why.
-        error: NotARotation,
-    },
-    /// The position at an end is infinite or NaN.
-    #[error("the position at s = {s} is infinite or NaN")]
-    NonFinitePosition {
-        /// 0 or 1.
-        s: f64,
-    },
-    /// Both ends are the same pose.
-    #[error("both ends of the line are the same pose")]
-    NoMotion,
-    /// The posture to start from does not put the flange at the beginning of the line.
-    #[error("the flange is {distance} m and {angle} rad away from the beginning of the line")]
-    StartElsewhere {
-        /// From there \[m\].
-        distance: f64,
-        /// Turned against it by \[rad\].
-        angle: f64,
-    },
-    /// The line leaves the reach of the arm.
-    #[error("at s = {s}: {reason}")]
-    Unreachable {
-        /// Where.
-        s: f64,
-        /// How far beyond.
-        reason: Unsolvable,
-    },
-    /// The pose is reached on other branches, but not on this one.
-    #[error("at s = {s} the branch {branch:?} does not reach the line")]
-    BranchEnds {
-        /// Where.
-        s: f64,
-        /// The branch that was followed.
-        branch: Branch,
-    },
-    /// A joint comes to the end of its range.
-    #[error("at s = {s} joint {joint} comes to {angle} rad, its range ends at {limit} rad")]
-    LimitExceeded {
-        /// Where.
-        s: f64,
-        /// Which joint.
-        joint: usize,
-        /// Its angle right after the limit \[rad\].
-        angle: f64,
-        /// The limit \[rad\].
-        limit: f64,
-    },
-    /// The arm is singular: joints would have to jump.
-    #[error("the {singularity} is singular at s = {s}")]
-    Singular {
-        /// Where.
-        s: f64,
-        /// Which singularity is nearest.
-        singularity: Singularity,
-    },
-    /// More postures must be kept: a joint turns by more than 2 rad from one to the next.
-    #[error("joint {joint} turns too far before s = {s}: keep more postures along the line")]
-    TooFewPostures {
-        /// Where.
-        s: f64,
-        /// Which joint.
-        joint: usize,
-    },
+impl fmt::Display for Singularity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }

@@ -24,7 +24,7 @@
 //! let transfer = Transfer { start, stop, duration: 3.0, scale: [1.0], limits: Limits::NONE };
 //! let motion = minimum_effort(&wheel, &transfer, 4, None)?;
 //! assert!((motion.effort() - 12.0 * 4.0 / 27.0).abs() < 1e-6);
-//! # Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+//! # Ok::<(), mbs_models::Error>(())
 //! ```
 //!
 //! # Source
@@ -39,12 +39,16 @@ mod transcription;
 
 use std::vec::Vec;
 
-use mbs_models::check;
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Dual, Mechanism};
 
-use super::{JointState, Motion, Quantity, TrajectoryError, check_duration, check_finite, check_limits};
+use super::{INTERVALS, JointState, Motion, POSITION, VELOCITY};
 use interior_point::{Bounds, Iterate};
 use transcription::{Layout, Transcription};
+
+/// What does [not converge](Failure::NotConverged) where limits leave no motion, or it was not found.
+pub const SEARCH: &str = "the search of the motion of least effort";
 
 pub use interior_point::Residual;
 
@@ -129,28 +133,27 @@ const WARM_BARRIER: f64 = 1e-5;
 /// duration; without one at the cubic between both states, without inputs. What is found is a local minimum.
 ///
 /// # Errors
-/// - [`TrajectoryError::NoOptimum`] where the search ends elsewhere: no motion keeps to the limits in this time, or it
+/// - [`Failure::NotConverged`] where the search ends elsewhere: no motion keeps to the limits in this time, or it
 ///   was not found;
-/// - [`TrajectoryError::LimitExceeded`] for a start or a stop beyond the limits;
-/// - [`TrajectoryError::GridTooCoarse`] without intervals, or where the guess has another number of them;
-/// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::Invalid`] and [`TrajectoryError::NonFinite`] for what is
+/// - [`Failure::LimitExceeded`] for a start or a stop beyond the limits;
+/// - [`Failure::Invalid`] without intervals, or where the guess has another number of them;
+/// - [`Failure::Invalid`] for what is
 ///   given.
 pub fn minimum_effort<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
     transfer: &Transfer<N, U>,
     intervals: usize,
     guess: Option<&MinimumEffort<N, U>>,
-) -> Result<MinimumEffort<N, U>, TrajectoryError> {
+) -> Result<MinimumEffort<N, U>, Error> {
     transfer.check()?;
-    if intervals == 0 {
-        return Err(TrajectoryError::GridTooCoarse { intervals, least: 1 });
-    }
+    check::positive(INTERVALS, intervals as f64)?;
     let layout = Layout { coordinates: N, inputs: U, intervals };
     let problem = Transcription { mechanism, layout, duration: transfer.duration, scale: transfer.scale };
     let bounds = transfer.bounds(layout);
     let (z, barrier) = match guess {
         Some(motion) if motion.iterate.z.len() != layout.len() => {
-            return Err(TrajectoryError::GridTooCoarse { intervals: motion.points.len() / 2, least: intervals });
+            let (known, wanted) = ((motion.points.len() / 2) as f64, intervals as f64);
+            return Err(Must::BeWithin([wanted, wanted]).broken_by("intervals of the guess", known).into());
         }
         Some(motion) => (motion.iterate.z.clone(), WARM_BARRIER),
         None => (transfer.cubic(layout), BARRIER),
@@ -159,7 +162,8 @@ pub fn minimum_effort<const N: usize, const U: usize>(
     match interior_point::solve(&problem, &bounds, start, barrier) {
         Ok((iterate, residual, iterations)) => Ok(MinimumEffort::new(&problem, iterate, residual, iterations)),
         Err((Residual { stationarity, defect, .. }, iterations)) => {
-            Err(TrajectoryError::NoOptimum { iterations, stationarity, defect })
+            let residual = if stationarity > defect { stationarity } else { defect };
+            Err(Failure::NotConverged { what: SEARCH, iterations, residual }.into())
         }
     }
 }
@@ -182,32 +186,29 @@ fn inside(mut z: Vec<f64>, bounds: &Bounds, barrier: f64) -> Iterate {
 }
 
 impl<const N: usize, const U: usize> Transfer<N, U> {
-    fn check(&self) -> Result<(), TrajectoryError> {
-        check_duration(self.duration)?;
+    fn check(&self) -> Result<(), Error> {
+        check::positive("duration", self.duration)?;
         check::positive("scale", self.scale)?;
         let limits = &self.limits;
-        check_limits(Quantity::Velocity, &limits.speed)?;
-        check_limits(Quantity::Torque, &limits.input)?;
+        Must::BeMoreThan(0.0).check("largest speed", limits.speed)?;
+        Must::BeMoreThan(0.0).check("largest input", limits.input)?;
         for joint in 0..N {
-            let in_order = limits.lower[joint] < limits.upper[joint];
-            if !in_order {
-                let value = limits.upper[joint];
-                return Err(TrajectoryError::InvalidLimit { quantity: Quantity::Position, joint, value });
-            }
+            let (lower, upper) = (limits.lower[joint], limits.upper[joint]);
+            Must::BeMoreThan(lower).check("largest angle of joint", upper).map_err(|error| error.of(joint))?;
         }
         for ([q, qd], time) in [(&self.start, 0.0), (&self.stop, self.duration)] {
-            check_finite(Quantity::Position, q)?;
-            check_finite(Quantity::Velocity, qd)?;
-            for joint in 0..N {
+            check::finite(POSITION, *q)?;
+            check::finite(VELOCITY, *qd)?;
+            for index in 0..N {
                 let exceeded = |quantity, value, limit| {
-                    Err(TrajectoryError::LimitExceeded { quantity, joint, time, value, limit })
+                    Err(Failure::LimitExceeded { quantity, index, value, limit }.at_time(time))
                 };
-                let nearest = q[joint].clamp(limits.lower[joint], limits.upper[joint]);
-                if nearest != q[joint] {
-                    return exceeded(Quantity::Position, q[joint], nearest);
+                let nearest = q[index].clamp(limits.lower[index], limits.upper[index]);
+                if nearest != q[index] {
+                    return exceeded(POSITION, q[index], nearest);
                 }
-                if qd[joint].abs() > limits.speed[joint] {
-                    return exceeded(Quantity::Velocity, qd[joint], limits.speed[joint]);
+                if qd[index].abs() > limits.speed[index] {
+                    return exceeded(VELOCITY, qd[index], limits.speed[index]);
                 }
             }
         }
@@ -310,17 +311,15 @@ impl<const N: usize, const U: usize> MinimumEffort<N, U> {
     /// The inputs at the time `t` \[N·m\]: a parabola in each interval.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutsideDuration`] if `t` is before 0, after the duration, or NaN.
-    pub fn input_at(&self, t: f64) -> Result<[f64; U], TrajectoryError> {
+    /// [`Failure::Invalid`] if `t` is before 0, after the duration, or NaN.
+    pub fn input_at(&self, t: f64) -> Result<[f64; U], Error> {
         let (r, [begin, middle, end]) = self.interval(t)?;
         Ok(core::array::from_fn(|i| parabola(r, [begin.input[i], middle.input[i], end.input[i]])))
     }
 
     /// The interval of a time, and which part of it is over.
-    fn interval(&self, t: f64) -> Result<(f64, [&Point<N, U>; 3]), TrajectoryError> {
-        if !(0.0..=self.duration).contains(&t) {
-            return Err(TrajectoryError::OutsideDuration { time: t, duration: self.duration });
-        }
+    fn interval(&self, t: f64) -> Result<(f64, [&Point<N, U>; 3]), Error> {
+        check::within("time", t, [0.0, self.duration])?;
         let count = self.points.len() / 2;
         let place = t / self.duration * count as f64;
         let k = (place as usize).min(count - 1);
@@ -334,7 +333,7 @@ impl<const N: usize, const U: usize> Motion<N> for MinimumEffort<N, U> {
     }
 
     /// q̈ is a parabola in each interval; q and q̇ are the integrals of parabolas through q̇ and q̈.
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<N>, Error> {
         let (r, points) = self.interval(t)?;
         let h = points[2].t - points[0].t;
         let [begin, middle, end] = points.map(|point| &point.state);

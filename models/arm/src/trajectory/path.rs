@@ -1,7 +1,8 @@
 //! Curves in the joints' space, without time.
 
-use super::{Extrema, JointState, Motion, Piecewise, Quantity, TrajectoryError, check_finite};
-use mbs_models::check;
+use super::{Extrema, JointState, Motion, POSITION, Piecewise};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 
 /// A point of a path with its tangent and curvature.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,8 +23,8 @@ pub trait JointPath<const N: usize> {
     /// The point at `s`.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutsidePath`] if `s` is before 0, beyond the length, or NaN; what the path itself refuses.
-    fn point(&self, s: f64) -> Result<PathPoint<N>, TrajectoryError>;
+    /// [`Failure::Invalid`] if `s` is before 0, beyond the length, or NaN; what the path itself refuses.
+    fn point(&self, s: f64) -> Result<PathPoint<N>, Error>;
 }
 
 impl<const N: usize, P: JointPath<N> + ?Sized> JointPath<N> for &P {
@@ -31,7 +32,7 @@ impl<const N: usize, P: JointPath<N> + ?Sized> JointPath<N> for &P {
         (**self).length()
     }
 
-    fn point(&self, s: f64) -> Result<PathPoint<N>, TrajectoryError> {
+    fn point(&self, s: f64) -> Result<PathPoint<N>, Error> {
         (**self).point(s)
     }
 }
@@ -48,10 +49,10 @@ impl<const N: usize> StraightPath<N> {
     ///
     /// # Errors
     /// An angle that is not finite, and equal postures.
-    pub fn new(start: [f64; N], stop: [f64; N]) -> Result<Self, TrajectoryError> {
-        check_finite(Quantity::Position, &start)?;
-        check_finite(Quantity::Position, &stop)?;
-        if start == stop { Err(TrajectoryError::NoMotion) } else { Ok(Self { start, stop }) }
+    pub fn new(start: [f64; N], stop: [f64; N]) -> Result<Self, Error> {
+        check::finite(POSITION, start)?;
+        check::finite(POSITION, stop)?;
+        if start == stop { Err(Failure::NoMotion.into()) } else { Ok(Self { start, stop }) }
     }
 }
 
@@ -60,10 +61,8 @@ impl<const N: usize> JointPath<N> for StraightPath<N> {
         1.0
     }
 
-    fn point(&self, s: f64) -> Result<PathPoint<N>, TrajectoryError> {
-        if !(0.0..=1.0).contains(&s) {
-            return Err(TrajectoryError::OutsidePath { s, length: 1.0 });
-        }
+    fn point(&self, s: f64) -> Result<PathPoint<N>, Error> {
+        check::within("path parameter", s, [0.0, 1.0])?;
         let tangent: [f64; N] = core::array::from_fn(|i| self.stop[i] - self.start[i]);
         let q = core::array::from_fn(|i| (1.0 - s) * self.start[i] + s * self.stop[i]);
         Ok(PathPoint { q, tangent, curvature: [0.0; N] })
@@ -76,8 +75,9 @@ impl<const N: usize, const P: usize> JointPath<N> for Piecewise<N, P> {
         self.duration()
     }
 
-    fn point(&self, s: f64) -> Result<PathPoint<N>, TrajectoryError> {
-        let state = self.at(s).map_err(|_| TrajectoryError::OutsidePath { s, length: self.duration() })?;
+    fn point(&self, s: f64) -> Result<PathPoint<N>, Error> {
+        check::within("path parameter", s, [0.0, self.duration()])?;
+        let state = self.at(s)?;
         Ok(PathPoint { q: state.q, tangent: state.qd, curvature: state.qdd })
     }
 }
@@ -97,15 +97,15 @@ impl<const N: usize, const PIECES: usize, P: JointPath<N>> AlongPath<P, N, PIECE
     /// Along `path` by `law`, a trajectory of the path parameter as if it were a joint.
     ///
     /// # Errors
-    /// [`TrajectoryError::Invalid`] if the length of the path is not positive and finite;
-    /// [`TrajectoryError::OutsidePath`] if the law leaves the path, by more than rounding.
-    pub fn new(path: P, law: Piecewise<1, PIECES>) -> Result<Self, TrajectoryError> {
+    /// [`Failure::Invalid`] if the length of the path is not positive and finite, or if the law leaves the path, by
+    /// more than rounding.
+    pub fn new(path: P, law: Piecewise<1, PIECES>) -> Result<Self, Error> {
         let length = path.length();
         check::positive("length", length)?;
         let [Extrema { lowest, highest }] = law.position_extrema();
         for s in [lowest.value, highest.value] {
             if s.is_nan() || s < -1e-12 * length || s > length * (1.0 + 1e-12) {
-                return Err(TrajectoryError::OutsidePath { s, length });
+                return Err(Must::BeWithin([0.0, length]).broken_by("path parameter", s).into());
             }
         }
         Ok(Self { path, length, law })
@@ -117,7 +117,7 @@ impl<const N: usize, const PIECES: usize, P: JointPath<N>> Motion<N> for AlongPa
         self.law.duration()
     }
 
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<N>, Error> {
         let JointState { q: [s], qd: [rate], qdd: [acceleration] } = self.law.at(t)?;
         let PathPoint { q, tangent, curvature } = self.path.point(s.clamp(0.0, self.length))?;
         let qdd = core::array::from_fn(|i| tangent[i] * acceleration + curvature[i] * rate * rate);
@@ -139,7 +139,7 @@ mod tests {
             self.0
         }
 
-        fn point(&self, s: f64) -> Result<PathPoint<1>, TrajectoryError> {
+        fn point(&self, s: f64) -> Result<PathPoint<1>, Error> {
             Ok(PathPoint { q: [s], tangent: [1.0], curvature: [0.0] })
         }
     }
@@ -149,8 +149,8 @@ mod tests {
         let law = quintic([0.0], [0.0], [1.0], 2.0).expect("a motion");
         for length in [f64::NAN, -1.0, 0.0, f64::INFINITY, f64::NEG_INFINITY] {
             match AlongPath::new(Claimed(length), law) {
-                Err(TrajectoryError::Invalid(found)) => {
-                    assert_eq!(found.value.to_bits(), length.to_bits());
+                Err(error) => {
+                    assert_eq!(error.invalid().map(|found| found.value.to_bits()), Some(length.to_bits()));
                 }
                 other => panic!("{length}: {other:?}"),
             }

@@ -1,8 +1,10 @@
 //! Joints that follow polynomials, one after the other.
 
 use super::polynomial::{COEFFICIENTS, Polynomial};
-use super::{JointState, Motion, Quantity, RateLimits, TrajectoryError};
+use super::{ACCELERATION, JointState, Motion, POSITION, RateLimits, VELOCITY};
 use crate::limits::LIMIT_TOLERANCE;
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 
 /// `P` polynomials of degree five at most for each of `N` joints, one after the other in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +53,7 @@ impl Extrema {
 impl<const N: usize, const P: usize> Piecewise<N, P> {
     /// Pieces that end at `ends`, with the coefficients of `Σ cₖ sᵏ`, `s` from 0 to 1 within each; refused where an
     /// angle, a velocity or an acceleration overflows.
-    pub(super) fn new(ends: [f64; P], coefficients: [[[f64; COEFFICIENTS]; N]; P]) -> Result<Self, TrajectoryError> {
+    pub(super) fn new(ends: [f64; P], coefficients: [[[f64; COEFFICIENTS]; N]; P]) -> Result<Self, Error> {
         const { assert!(P > 0, "a motion has at least one piece") };
         let motion = Self { ends, pieces: coefficients.map(|piece| piece.map(Polynomial)) };
         for piece in (0..P).filter(|&piece| motion.interval(piece).1 > 0.0) {
@@ -61,13 +63,11 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
                 let sum =
                     |factor: fn(f64) -> f64| -> f64 { (0..COEFFICIENTS).map(|k| factor(k as f64) * c[k].abs()).sum() };
                 for (quantity, bound) in [
-                    (Quantity::Position, sum(|_| 1.0)),
-                    (Quantity::Velocity, sum(|k| k) / length),
-                    (Quantity::Acceleration, sum(|k| k * (k - 1.0)) / (length * length)),
+                    (POSITION, sum(|_| 1.0)),
+                    (VELOCITY, sum(|k| k) / length),
+                    (ACCELERATION, sum(|k| k * (k - 1.0)) / (length * length)),
                 ] {
-                    if !bound.is_finite() {
-                        return Err(TrajectoryError::NonFinite { quantity, joint });
-                    }
+                    check::finite(quantity, bound).map_err(|error| error.of(joint))?;
                 }
             }
         }
@@ -147,26 +147,19 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
     /// highest angles \[rad\], equal ones for a joint that must not move.
     ///
     /// # Errors
-    /// [`TrajectoryError::LimitExceeded`] with the first joint that leaves its range, at its farthest;
-    /// [`TrajectoryError::InvalidLimit`] if a range is empty or NaN.
-    pub fn check_ranges(&self, ranges: &[[f64; 2]; N]) -> Result<(), TrajectoryError> {
-        let quantity = Quantity::Position;
-        for (joint, (Extrema { lowest, highest }, [low, high])) in
+    /// [`Failure::LimitExceeded`] with the first joint that leaves its range, at its farthest;
+    /// [`Failure::Invalid`] if a range is empty or NaN.
+    pub fn check_ranges(&self, ranges: &[[f64; 2]; N]) -> Result<(), Error> {
+        for (index, (Extrema { lowest, highest }, [low, high])) in
             self.position_extrema().into_iter().zip(*ranges).enumerate()
         {
-            if low.is_nan() || high.is_nan() || low > high {
-                return Err(TrajectoryError::InvalidLimit {
-                    quantity,
-                    joint,
-                    value: if low.is_nan() { low } else { high },
-                });
-            }
+            Must::BeAtLeast(low).check("largest angle of joint", high).map_err(|error| error.of(index))?;
             for (Extremum { value, time }, limit, beyond) in [
                 (lowest, low, lowest.value < low - LIMIT_TOLERANCE),
                 (highest, high, highest.value > high + LIMIT_TOLERANCE),
             ] {
                 if beyond {
-                    return Err(TrajectoryError::LimitExceeded { quantity, joint, time, value, limit });
+                    return Err(Failure::LimitExceeded { quantity: POSITION, index, value, limit }.at_time(time));
                 }
             }
         }
@@ -176,17 +169,17 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
     /// Refuses a motion that is too fast.
     ///
     /// # Errors
-    /// [`TrajectoryError::LimitExceeded`] with the first joint beyond a limit, speeds first, at its fastest;
-    /// [`TrajectoryError::InvalidLimit`] if a limit is not positive.
-    pub fn check_rates(&self, limits: &RateLimits<N>) -> Result<(), TrajectoryError> {
+    /// [`Failure::LimitExceeded`] with the first joint beyond a limit, speeds first, at its fastest;
+    /// [`Failure::Invalid`] if a limit is not positive.
+    pub fn check_rates(&self, limits: &RateLimits<N>) -> Result<(), Error> {
         limits.check()?;
-        let velocity = (Quantity::Velocity, self.velocity_extrema(), &limits.speed);
-        let acceleration = (Quantity::Acceleration, self.acceleration_extrema(), &limits.acceleration);
+        let velocity = (VELOCITY, self.velocity_extrema(), &limits.speed);
+        let acceleration = (ACCELERATION, self.acceleration_extrema(), &limits.acceleration);
         for (quantity, extrema, limits) in [velocity, acceleration] {
-            for (joint, (extrema, &limit)) in extrema.iter().zip(limits).enumerate() {
+            for (index, (extrema, &limit)) in extrema.iter().zip(limits).enumerate() {
                 let Extremum { value, time } = extrema.farthest();
                 if value.abs() > limit {
-                    return Err(TrajectoryError::LimitExceeded { quantity, joint, time, value, limit });
+                    return Err(Failure::LimitExceeded { quantity, index, value, limit }.at_time(time));
                 }
             }
         }
@@ -200,11 +193,9 @@ impl<const N: usize, const P: usize> Motion<N> for Piecewise<N, P> {
     }
 
     /// At a time between two pieces the later one counts, but at the end of the motion.
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<N>, Error> {
         let duration = self.duration();
-        if !(0.0..=duration).contains(&t) {
-            return Err(TrajectoryError::OutsideDuration { time: t, duration });
-        }
+        check::within("time", t, [0.0, duration])?;
         let last = (0..P).rev().find(|&piece| self.interval(piece).1 > 0.0).unwrap_or(P - 1);
         let piece = self.ends.iter().position(|&end| t < end).unwrap_or(last);
         let (start, length) = self.interval(piece);
@@ -241,10 +232,8 @@ mod tests {
         }
         let beyond = quintic([low], [0.0], [high + 2.0 * LIMIT_TOLERANCE], 7.0).expect("a motion");
         let refused = beyond.check_ranges(&[[low, high]]);
-        assert!(
-            matches!(refused, Err(TrajectoryError::LimitExceeded { joint: 0, limit, .. }) if limit == high),
-            "{refused:?}"
-        );
+        let failure = refused.unwrap_err().failure;
+        assert!(matches!(failure, Failure::LimitExceeded { index: 0, limit, .. } if limit == high), "{failure}");
     }
 
     #[test]
@@ -252,9 +241,10 @@ mod tests {
         let motion = quintic([0.0, 0.7], [0.0; 2], [1.0, 0.7], 2.0).expect("a motion");
         assert_eq!(motion.check_ranges(&[[0.0, 1.0], [0.7, 0.7]]), Ok(()));
         let refused = motion.check_ranges(&[[0.0, 0.0], [0.7, 0.7]]);
-        assert!(matches!(refused, Err(TrajectoryError::LimitExceeded { joint: 0, limit: 0.0, .. })), "{refused:?}");
+        let failure = refused.unwrap_err().failure;
+        assert!(matches!(failure, Failure::LimitExceeded { index: 0, limit: 0.0, .. }), "{failure}");
         let refused = motion.check_ranges(&[[0.0, 1.0], [0.7_f64.next_up(), 0.7]]);
-        let empty = TrajectoryError::InvalidLimit { quantity: Quantity::Position, joint: 1, value: 0.7 };
-        assert_eq!(refused, Err(empty));
+        let empty = Must::BeAtLeast(0.7_f64.next_up()).broken_by("largest angle of joint", 0.7).of(1);
+        assert_eq!(refused, Err(empty.into()));
     }
 }

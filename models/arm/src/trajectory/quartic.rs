@@ -1,6 +1,7 @@
 //! The quartics of the thesis: one, which leaves the last acceleration open, and two, which close it.
 
-use super::{Piecewise, Quantity, TrajectoryError, check_duration, check_finite};
+use super::{POSITION, Piecewise, VELOCITY};
+use mbs_models::{Error, Failure, check};
 
 /// One quartic per joint, from `start` with the velocity `velocity` and no acceleration, to rest at `stop` after
 /// `duration`.
@@ -26,7 +27,7 @@ pub fn quartic<const N: usize>(
     velocity: [f64; N],
     stop: [f64; N],
     duration: f64,
-) -> Result<Piecewise<N, 1>, TrajectoryError> {
+) -> Result<Piecewise<N, 1>, Error> {
     check(&start, &velocity, &stop, duration)?;
     let coefficients = core::array::from_fn(|i| {
         let (d, v) = (stop[i] - start[i], velocity[i] * duration);
@@ -54,7 +55,7 @@ pub fn two_piece_quartic<const N: usize>(
     velocity: [f64; N],
     stop: [f64; N],
     duration: f64,
-) -> Result<Piecewise<N, 2>, TrajectoryError> {
+) -> Result<Piecewise<N, 2>, Error> {
     check(&start, &velocity, &stop, duration)?;
     let parts = |i: usize| (stop[i] - start[i], 0.5 * velocity[i] * duration);
     let first = core::array::from_fn(|i| {
@@ -79,10 +80,10 @@ pub(super) fn check<const N: usize>(
     velocity: &[f64; N],
     stop: &[f64; N],
     duration: f64,
-) -> Result<(), TrajectoryError> {
-    check_duration(duration)?;
-    check_finite(Quantity::Position, start)?;
-    check_finite(Quantity::Velocity, velocity)?;
-    check_finite(Quantity::Position, stop)?;
-    if start == stop && velocity.iter().all(|v| *v == 0.0) { Err(TrajectoryError::NoMotion) } else { Ok(()) }
+) -> Result<(), Error> {
+    check::positive("duration", duration)?;
+    check::finite(POSITION, *start)?;
+    check::finite(VELOCITY, *velocity)?;
+    check::finite(POSITION, *stop)?;
+    if start == stop && velocity.iter().all(|v| *v == 0.0) { Err(Failure::NoMotion.into()) } else { Ok(()) }
 }

@@ -1,6 +1,7 @@
 //! One polynomial of degree five per joint: all six conditions.
 
-use super::{JointState, Piecewise, Quantity, TrajectoryError, check_duration, check_finite, quartic};
+use super::{ACCELERATION, JointState, POSITION, Piecewise, VELOCITY, quartic};
+use mbs_models::{Error, Failure, check};
 
 /// One quintic per joint, from `start` with the velocity `velocity` and no acceleration, to `stop` with neither.
 ///
@@ -14,7 +15,7 @@ pub fn quintic<const N: usize>(
     velocity: [f64; N],
     stop: [f64; N],
     duration: f64,
-) -> Result<Piecewise<N, 1>, TrajectoryError> {
+) -> Result<Piecewise<N, 1>, Error> {
     quartic::check(&start, &velocity, &stop, duration)?;
     quintic_between(&JointState { q: start, qd: velocity, qdd: [0.0; N] }, &JointState::at_rest(stop), duration)
 }
@@ -30,15 +31,15 @@ pub fn quintic_between<const N: usize>(
     start: &JointState<N>,
     stop: &JointState<N>,
     duration: f64,
-) -> Result<Piecewise<N, 1>, TrajectoryError> {
-    check_duration(duration)?;
+) -> Result<Piecewise<N, 1>, Error> {
+    check::positive("duration", duration)?;
     for state in [start, stop] {
-        check_finite(Quantity::Position, &state.q)?;
-        check_finite(Quantity::Velocity, &state.qd)?;
-        check_finite(Quantity::Acceleration, &state.qdd)?;
+        check::finite(POSITION, state.q)?;
+        check::finite(VELOCITY, state.qd)?;
+        check::finite(ACCELERATION, state.qdd)?;
     }
     if start == stop && *start == JointState::at_rest(start.q) {
-        return Err(TrajectoryError::NoMotion);
+        return Err(Failure::NoMotion.into());
     }
     Piecewise::new([duration], [core::array::from_fn(|i| coefficients(start, stop, i, duration))])
 }

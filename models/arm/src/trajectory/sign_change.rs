@@ -1,6 +1,7 @@
 //! Where along a motion a function of the posture changes sign: the crossing of a singularity, of a plane, of a limit.
 
-use super::{Motion, TrajectoryError};
+use super::{INTERVALS, Motion};
+use mbs_models::{Error, Failure, check};
 
 /// The times at which `function` of the joint angles changes sign along `motion`, in order \[s\].
 ///
@@ -13,24 +14,22 @@ use super::{Motion, TrajectoryError};
 /// let motion = quintic([-1.0], [0.0], [1.0], 10.0)?;
 /// let crossing: Vec<f64> = sign_changes(&motion, |q| q[0], 100)?.collect::<Result<_, _>>()?;
 /// assert_eq!(crossing, [5.0]);
-/// # Ok::<(), mbs_arm::trajectory::TrajectoryError>(())
+/// # Ok::<(), mbs_models::Error>(())
 /// ```
 ///
 /// # Errors
-/// [`TrajectoryError::GridTooCoarse`] without intervals. The iterator gives [`TrajectoryError::NonFiniteFunction`]
+/// [`Failure::Invalid`] without intervals. The iterator gives [`Failure::NotFinite`]
 /// where the function is infinite or NaN, and ends there.
 pub fn sign_changes<const N: usize, M, F>(
     motion: M,
     function: F,
     intervals: usize,
-) -> Result<SignChanges<N, M, F>, TrajectoryError>
+) -> Result<SignChanges<N, M, F>, Error>
 where
     M: Motion<N>,
     F: FnMut(&[f64; N]) -> f64,
 {
-    if intervals == 0 {
-        return Err(TrajectoryError::GridTooCoarse { intervals, least: 1 });
-    }
+    check::positive(INTERVALS, intervals as f64)?;
     Ok(SignChanges { motion, function, intervals, next: 0, last: None })
 }
 
@@ -47,13 +46,13 @@ pub struct SignChanges<const N: usize, M, F> {
 }
 
 impl<const N: usize, M: Motion<N>, F: FnMut(&[f64; N]) -> f64> SignChanges<N, M, F> {
-    fn value(&mut self, time: f64) -> Result<f64, TrajectoryError> {
+    fn value(&mut self, time: f64) -> Result<f64, Error> {
         let value = (self.function)(&self.motion.at(time)?.q);
-        if value.is_finite() { Ok(value) } else { Err(TrajectoryError::NonFiniteFunction { time }) }
+        if value.is_finite() { Ok(value) } else { Err(Failure::NotFinite("the function").at_time(time)) }
     }
 
     /// Between a time with the sign given and one with the other.
-    fn bisect(&mut self, (mut low, negative): (f64, bool), mut high: f64) -> Result<f64, TrajectoryError> {
+    fn bisect(&mut self, (mut low, negative): (f64, bool), mut high: f64) -> Result<f64, Error> {
         loop {
             let middle = low + 0.5 * (high - low);
             if middle <= low || middle >= high {
@@ -72,7 +71,7 @@ impl<const N: usize, M: Motion<N>, F: FnMut(&[f64; N]) -> f64> SignChanges<N, M,
     }
 
     /// The sign at the next point of the grid, and the change since the last one.
-    fn step(&mut self) -> Result<Option<f64>, TrajectoryError> {
+    fn step(&mut self) -> Result<Option<f64>, Error> {
         let time = self.motion.duration() * (self.next as f64 / self.intervals as f64);
         self.next += 1;
         let value = self.value(time)?;
@@ -87,7 +86,7 @@ impl<const N: usize, M: Motion<N>, F: FnMut(&[f64; N]) -> f64> SignChanges<N, M,
 }
 
 impl<const N: usize, M: Motion<N>, F: FnMut(&[f64; N]) -> f64> Iterator for SignChanges<N, M, F> {
-    type Item = Result<f64, TrajectoryError>;
+    type Item = Result<f64, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         while self.next <= self.intervals {

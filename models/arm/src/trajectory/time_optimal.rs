@@ -20,10 +20,17 @@
 
 use std::vec::Vec;
 
-use mbs_models::check;
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Mechanism;
 
-use super::{JointPath, JointState, Motion, PathPoint, Quantity, RateLimits, TrajectoryError, check_limits};
+use super::{
+    ACCELERATION, INTERVALS, JointPath, JointState, Motion, POSITION, PathPoint, RateLimits, TORQUE, VELOCITY,
+};
+
+/// What is [missing](Failure::Missing) where no speed along the path satisfies all limits, at the best approach and
+/// continuation.
+pub const SPEED: &str = "speed along the path that satisfies the limits";
 
 /// Symmetric limits of every joint; infinite where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,32 +61,28 @@ const ROUNDS: usize = 12;
 /// The mechanism must be autonomous, without forces that grow with the velocity.
 ///
 /// # Errors
-/// - [`TrajectoryError::Infeasible`] with the place at which no speed satisfies the limits;
-/// - [`TrajectoryError::PathStandsStill`] where the tangent of the path vanishes, as it does at the ends of a motion
+/// - [`Failure::Missing`] with the place at which no [`SPEED`] satisfies the limits;
+/// - [`Failure::NoMotion`] where the tangent of the path vanishes, as it does at the ends of a motion
 ///   from rest;
-/// - [`TrajectoryError::GridTooCoarse`] for fewer than four intervals, or where limits are exceeded between the points
+/// - [`Failure::Invalid`] for fewer than four intervals, or where limits are exceeded between the points
 ///   of the grid however much they are tightened;
-/// - [`TrajectoryError::InvalidLimit`], [`TrajectoryError::Invalid`], [`TrajectoryError::NonFinite`] and
-///   [`TrajectoryError::VelocityForce`] for what is given.
+/// - [`Failure::Invalid`] for what is given.
 pub fn retime<const N: usize, const U: usize, P: JointPath<N>>(
     path: P,
     mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     limits: &MotorLimits<N>,
     intervals: usize,
-) -> Result<TimeOptimal<N, P>, TrajectoryError> {
+) -> Result<TimeOptimal<N, P>, Error> {
     limits.rates.check()?;
-    check_limits(Quantity::Torque, &limits.torque)?;
+    Must::BeMoreThan(0.0).check("largest torque", limits.torque)?;
     let length = path.length();
     check::positive("length", length)?;
-    if intervals < LEAST_INTERVALS {
-        return Err(TrajectoryError::GridTooCoarse { intervals, least: LEAST_INTERVALS });
-    }
+    Must::BeAtLeast(LEAST_INTERVALS as f64).check(INTERVALS, intervals as f64)?;
     let limited = |i: usize| {
         [limits.rates.speed[i], limits.rates.acceleration[i], limits.torque[i]].iter().any(|l| l.is_finite())
     };
     if !(0..N).any(limited) {
-        let value = f64::INFINITY;
-        return Err(TrajectoryError::InvalidLimit { quantity: Quantity::Velocity, joint: 0, value });
+        return Err(Must::BeFinite.broken_by("largest speed", f64::INFINITY).of(0).into());
     }
     // Points of the grid, and those between them at which limits are checked.
     let count = intervals * (CHECKS + 1);
@@ -95,7 +98,7 @@ pub fn retime<const N: usize, const U: usize, P: JointPath<N>>(
         }
         tightened.tighten(&excess);
     }
-    Err(TrajectoryError::GridTooCoarse { intervals, least: 2 * intervals })
+    Err(Must::BeAtLeast(2.0 * intervals as f64).broken_by(INTERVALS, intervals as f64).into())
 }
 
 /// The fastest motion along a path, as [`retime`] finds it.
@@ -109,7 +112,7 @@ pub struct TimeOptimal<const N: usize, P> {
 }
 
 impl<const N: usize, P: JointPath<N>> TimeOptimal<N, P> {
-    fn new(path: P, squares: Vec<f64>) -> Result<Self, TrajectoryError> {
+    fn new(path: P, squares: Vec<f64>) -> Result<Self, Error> {
         let interval = path.length() / (squares.len() - 1) as f64;
         let mut times = Vec::with_capacity(squares.len());
         let mut time = 0.0;
@@ -117,7 +120,7 @@ impl<const N: usize, P: JointPath<N>> TimeOptimal<N, P> {
         for (i, pair) in squares.windows(2).enumerate() {
             time += 2.0 * interval / (pair[0].sqrt() + pair[1].sqrt());
             if !time.is_finite() {
-                return Err(TrajectoryError::Infeasible { s: i as f64 * interval });
+                return Err(Failure::Missing(SPEED).at_path(i as f64 * interval));
             }
             times.push(time);
         }
@@ -132,12 +135,10 @@ impl<const N: usize, P: JointPath<N>> TimeOptimal<N, P> {
     /// Path parameter, its rate \[1/s\] and its acceleration \[1/s²\] at the time `t`.
     ///
     /// # Errors
-    /// [`TrajectoryError::OutsideDuration`] as [`Motion::at`].
-    pub fn parameter(&self, t: f64) -> Result<[f64; 3], TrajectoryError> {
+    /// [`Failure::Invalid`] as [`Motion::at`].
+    pub fn parameter(&self, t: f64) -> Result<[f64; 3], Error> {
         let duration = self.duration();
-        if !(0.0..=duration).contains(&t) {
-            return Err(TrajectoryError::OutsideDuration { time: t, duration });
-        }
+        check::within("time", t, [0.0, duration])?;
         let intervals = self.squares.len() - 1;
         let i = self.times.partition_point(|time| *time <= t).clamp(1, intervals) - 1;
         let length = self.path.length();
@@ -154,7 +155,7 @@ impl<const N: usize, P: JointPath<N>> Motion<N> for TimeOptimal<N, P> {
         self.times[self.times.len() - 1]
     }
 
-    fn at(&self, t: f64) -> Result<JointState<N>, TrajectoryError> {
+    fn at(&self, t: f64) -> Result<JointState<N>, Error> {
         let [s, rate, acceleration] = self.parameter(t)?;
         let PathPoint { q, tangent, curvature } = self.path.point(s)?;
         let qdd = std::array::from_fn(|i| tangent[i] * acceleration + curvature[i] * rate * rate);
@@ -204,26 +205,25 @@ impl<const N: usize> Load<N> {
         path: &impl JointPath<N>,
         mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
         s: f64,
-    ) -> Result<Self, TrajectoryError> {
+    ) -> Result<Self, Error> {
         let PathPoint { q, tangent, curvature } = path.point(s)?;
-        for (quantity, values) in
-            [(Quantity::Position, q), (Quantity::Velocity, tangent), (Quantity::Acceleration, curvature)]
-        {
-            super::check_finite(quantity, &values)?;
+        for (quantity, values) in [(POSITION, q), (VELOCITY, tangent), (ACCELERATION, curvature)] {
+            check::finite(quantity, values)?;
         }
         if tangent.iter().all(|tangent| *tangent == 0.0) {
-            return Err(TrajectoryError::PathStandsStill { s });
+            return Err(Failure::NoMotion.at_path(s));
         }
-        if let Some(joint) = mechanism.dissipation_force(0.0, &q, &tangent).iter().position(|force| *force != 0.0) {
-            return Err(TrajectoryError::VelocityForce { s, joint });
-        }
+        // Limits would not be linear in the square of the speed along the path.
+        let dissipation = mechanism.dissipation_force(0.0, &q, &tangent);
+        check::within("force that grows with the velocity of joint", dissipation, [0.0, 0.0])
+            .map_err(|error| error.at_path(s))?;
         let (mass, gravity) = (mechanism.mass_matrix(0.0, &q), mechanism.gravity(0.0, &q));
         let bias = mechanism.bias(0.0, &q, &tangent);
         let times = |v: &[f64; N], i: usize| (0..N).map(|j| mass[i][j] * v[j]).sum::<f64>();
         let inertia = std::array::from_fn(|i| times(&tangent, i));
         let centrifugal = std::array::from_fn(|i| times(&curvature, i) + bias[i] - gravity[i]);
         for torque in [&inertia, &centrifugal, &gravity] {
-            super::check_finite(Quantity::Torque, torque)?;
+            check::finite(TORQUE, *torque)?;
         }
         Ok(Self { tangent, curvature, inertia, centrifugal, gravity })
     }
@@ -259,9 +259,9 @@ impl<const N: usize> Grid<'_, N> {
     }
 
     /// `ṡ²` at the points of the grid.
-    fn fastest(&self) -> Result<Vec<f64>, TrajectoryError> {
+    fn fastest(&self) -> Result<Vec<f64>, Error> {
         let n = self.intervals();
-        let infeasible = |i: usize| TrajectoryError::Infeasible { s: self.length * (i as f64 / n as f64) };
+        let infeasible = |i: usize| Failure::Missing(SPEED).at_path(self.length * (i as f64 / n as f64));
         // Ranges of ṡ² from which the stop can be reached.
         let mut ranges = std::vec![[0.0; 2]; n + 1];
         for i in (0..n).rev() {

@@ -1,8 +1,10 @@
 //! Trapezoidal speed: constant acceleration, constant speed, constant deceleration.
 
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::Scalar;
 
-use super::{Piecewise, Quantity, RateLimits, TrajectoryError, check_finite, quartic};
+use super::{POSITION, Piecewise, RateLimits, quartic};
 
 /// All joints on a straight line from rest at `start` to rest at `stop`, speeding up for `acceleration_time` \[s\], at
 /// constant speed, and slowing down for as long.
@@ -17,11 +19,10 @@ pub fn trapezoidal<const N: usize>(
     stop: [f64; N],
     duration: f64,
     acceleration_time: f64,
-) -> Result<Piecewise<N, 3>, TrajectoryError> {
+) -> Result<Piecewise<N, 3>, Error> {
     quartic::check(&start, &[0.0; N], &stop, duration)?;
-    if !(acceleration_time > 0.0 && acceleration_time <= 0.5 * duration) {
-        return Err(TrajectoryError::InvalidAccelerationTime { time: acceleration_time, duration });
-    }
+    check::positive("time of acceleration", acceleration_time)?;
+    Must::BeAtMost(0.5 * duration).check("time of acceleration", acceleration_time)?;
     let cruise = duration - 2.0 * acceleration_time;
     // Parts of the way: half of one in each ramp of unit speed.
     let whole = cruise + acceleration_time;
@@ -51,9 +52,9 @@ pub fn trapezoidal_within<const N: usize>(
     start: [f64; N],
     stop: [f64; N],
     limits: &RateLimits<N>,
-) -> Result<Piecewise<N, 3>, TrajectoryError> {
-    check_finite(Quantity::Position, &start)?;
-    check_finite(Quantity::Position, &stop)?;
+) -> Result<Piecewise<N, 3>, Error> {
+    check::finite(POSITION, start)?;
+    check::finite(POSITION, stop)?;
     limits.check()?;
     let least = |limits: &[f64; N]| {
         let ways = start.iter().zip(&stop).zip(limits);
@@ -62,13 +63,12 @@ pub fn trapezoidal_within<const N: usize>(
         rates.fold(f64::INFINITY, f64::min)
     };
     if start == stop {
-        return Err(TrajectoryError::NoMotion);
+        return Err(Failure::NoMotion.into());
     }
     let (speed, acceleration) = (least(&limits.speed), least(&limits.acceleration));
     if acceleration == f64::INFINITY {
         let joint = (0..N).find(|&i| start[i] != stop[i]).unwrap_or(0);
-        let (quantity, value) = (Quantity::Acceleration, limits.acceleration[joint]);
-        return Err(TrajectoryError::InvalidLimit { quantity, joint, value });
+        return Err(Must::BeFinite.broken_by("largest acceleration", limits.acceleration[joint]).of(joint).into());
     }
     // At full speed after v/a; a triangle where half the way is too short for it.
     let acceleration_time = f64::min(speed / acceleration, Scalar::sqrt(1.0 / acceleration));

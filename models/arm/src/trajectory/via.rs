@@ -1,6 +1,8 @@
 //! Points with times: the 4-3-…-3-4 trajectory.
 
-use super::{JointState, Piecewise, Quantity, TrajectoryError, check_finite, quintic};
+use super::{ACCELERATION, JointState, POSITION, Piecewise, VELOCITY, quintic};
+use mbs_models::check::{self, Must};
+use mbs_models::{Error, Failure};
 
 /// A posture and when it is reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,7 +34,7 @@ pub fn through<const N: usize, const P: usize>(
     start: &JointState<N>,
     knots: &[Knot<N>; P],
     final_velocity: [f64; N],
-) -> Result<Piecewise<N, P>, TrajectoryError> {
+) -> Result<Piecewise<N, P>, Error> {
     check(start, knots, &final_velocity)?;
     let mut length = [0.0; P];
     let mut before = 0.0;
@@ -63,25 +65,20 @@ pub fn through<const N: usize, const P: usize>(
     Piecewise::new(knots.map(|knot| knot.time), coefficients)
 }
 
-fn check<const N: usize>(
-    start: &JointState<N>,
-    knots: &[Knot<N>],
-    final_velocity: &[f64; N],
-) -> Result<(), TrajectoryError> {
-    check_finite(Quantity::Position, &start.q)?;
-    check_finite(Quantity::Velocity, &start.qd)?;
-    check_finite(Quantity::Acceleration, &start.qdd)?;
-    check_finite(Quantity::Velocity, final_velocity)?;
+fn check<const N: usize>(start: &JointState<N>, knots: &[Knot<N>], final_velocity: &[f64; N]) -> Result<(), Error> {
+    check::finite(POSITION, start.q)?;
+    check::finite(VELOCITY, start.qd)?;
+    check::finite(ACCELERATION, start.qdd)?;
+    check::finite(VELOCITY, *final_velocity)?;
     let mut before = 0.0;
     for (index, knot) in knots.iter().enumerate() {
-        check_finite(Quantity::Position, &knot.q)?;
-        if !(knot.time > before && knot.time.is_finite()) {
-            return Err(TrajectoryError::TimesOutOfOrder { index, before, time: knot.time });
-        }
+        check::finite(POSITION, knot.q)?;
+        let in_order = Must::BeMoreThan(before).check("time of knot", knot.time);
+        in_order.and(check::finite("time of knot", knot.time)).map_err(|error| error.of(index))?;
         before = knot.time;
     }
     let stands = *start == JointState::at_rest(start.q) && *final_velocity == [0.0; N];
-    if stands && knots.iter().all(|knot| knot.q == start.q) { Err(TrajectoryError::NoMotion) } else { Ok(()) }
+    if stands && knots.iter().all(|knot| knot.q == start.q) { Err(Failure::NoMotion.into()) } else { Ok(()) }
 }
 
 /// One joint's conditions; `P > 1`.

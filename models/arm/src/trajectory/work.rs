@@ -1,8 +1,9 @@
 //! What a motion costs: the work of the motors, and their effort.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::Mechanism;
 
-use super::{JointState, Motion, TrajectoryError};
+use super::{JointState, Motion};
 
 /// An integral over the motion, and a bound on the error of its quadrature.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,11 +17,11 @@ pub struct Integral {
 /// `∫ Σ |τᵢ q̇ᵢ| dt` \[J\]: the energy that motors spend that cannot take any back.
 ///
 /// # Errors
-/// [`TrajectoryError::NotConverged`] where a torque is infinite or NaN.
+/// [`Failure::NotConverged`] where a torque is infinite or NaN.
 pub fn energy<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
-) -> Result<Integral, TrajectoryError> {
+) -> Result<Integral, Error> {
     integrate(motion, |_, state, torque| dot(|i| (torque[i] * state.qd[i]).abs(), N), mechanism)
 }
 
@@ -31,7 +32,7 @@ pub fn energy<const N: usize, const U: usize>(
 pub fn net_work<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
-) -> Result<Integral, TrajectoryError> {
+) -> Result<Integral, Error> {
     integrate(motion, |_, state, torque| dot(|i| torque[i] * state.qd[i], N), mechanism)
 }
 
@@ -42,7 +43,7 @@ pub fn net_work<const N: usize, const U: usize>(
 pub fn effort<const N: usize, const U: usize>(
     mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
     motion: &impl Motion<N>,
-) -> Result<Integral, TrajectoryError> {
+) -> Result<Integral, Error> {
     integrate(motion, |_, _, torque| dot(|i| torque[i] * torque[i], N), mechanism)
 }
 
@@ -62,7 +63,7 @@ fn integrate<const N: usize, const U: usize>(
     motion: &impl Motion<N>,
     integrand: impl Fn(f64, &JointState<N>, &[f64; N]) -> f64,
     mechanism: &impl Mechanism<N, U, Scalar = f64, Time = f64>,
-) -> Result<Integral, TrajectoryError> {
+) -> Result<Integral, Error> {
     let duration = motion.duration();
     let at = |t: f64| {
         let state = motion.at(t.clamp(0.0, duration))?;
@@ -92,7 +93,8 @@ fn integrate<const N: usize, const U: usize>(
             }
             let middle = from + 0.5 * (to - from);
             if count + 2 > waiting.len() || to - from <= duration * 1e-14 {
-                return Err(TrajectoryError::NotConverged { time: middle });
+                let residual = part.error;
+                return Err(Failure::NotConverged { what: "the integral", iterations: count, residual }.at_time(middle));
             }
             (waiting[count], waiting[count + 1]) = ([middle, to], [from, middle]);
             count += 2;
@@ -129,11 +131,7 @@ const KRONROD: [f64; 8] = [
 const GAUSS: [f64; 4] =
     [0.129_484_966_168_869_7, 0.279_705_391_489_276_64, 0.381_830_050_505_118_9, 0.417_959_183_673_469_4];
 
-fn kronrod(
-    integrand: &impl Fn(f64) -> Result<f64, TrajectoryError>,
-    from: f64,
-    to: f64,
-) -> Result<Integral, TrajectoryError> {
+fn kronrod(integrand: &impl Fn(f64) -> Result<f64, Error>, from: f64, to: f64) -> Result<Integral, Error> {
     let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
     let (mut kronrod, mut gauss) = (0.0, 0.0);
     for (i, node) in NODES.iter().enumerate() {

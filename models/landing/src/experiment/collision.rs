@@ -15,8 +15,9 @@
 use core::fmt;
 
 use mbs_arm::{A1, A2, A3, D1, D4};
+use mbs_models::Error;
 use mbs_models::check::{self, Invalid};
-use mbs_platform::{Coordinates, HOME, PoseError};
+use mbs_platform::{Coordinates, HOME};
 use mbs_runtime::{Pose, Scalar};
 use nalgebra::Vector3;
 
@@ -169,8 +170,8 @@ impl Plan<'_> {
     /// The two bodies that are nearest to each other, or overlap most, with the axes and the platform there.
     ///
     /// # Errors
-    /// [`PoseError`] where the platform has no legs.
-    pub fn nearest(&self, axes: &RailVector, deck: &Coordinates) -> Result<Nearest, PoseError> {
+    /// [`Error`] where the platform has no legs.
+    pub fn nearest(&self, axes: &RailVector, deck: &Coordinates) -> Result<Nearest, Error> {
         let robot = self.arm_parts(axes);
         let platform = self.platform_parts(deck)?;
         let of = |body: Body| robot.iter().chain(&platform).filter(move |(part, _)| *part == body);
@@ -222,7 +223,7 @@ impl Plan<'_> {
     }
 
     /// The platform: its legs, the edge of its deck from joint to joint, and three diagonals.
-    fn platform_parts(&self, q: &Coordinates) -> Result<[Part; 15], PoseError> {
+    fn platform_parts(&self, q: &Coordinates) -> Result<[Part; 15], Error> {
         let Shapes { deck, leg, .. } = self.experiment().shapes;
         let (cell, platform) = (self.experiment().cell, &self.experiment().platform);
         let legs = platform.legs(q)?;

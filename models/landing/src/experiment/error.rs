@@ -1,67 +1,24 @@
 //! Why an experiment is not planned, or cannot be followed.
 
 use super::collision::Nearest;
-use super::flight::OutsideFlight;
 use super::limits::AxisViolation;
-use super::plan::COARSEST;
-use super::rail_arm::NotFollowed;
-use mbs_arm::limits::InvalidLimits;
+use mbs_models::Error;
 use mbs_models::check::Invalid;
-use mbs_platform::PoseError;
-use mbs_platform::limits::{InvalidLimits as InvalidActuators, Violation};
+use mbs_platform::limits::Violation;
 
-/// Why there is no plan, or none that can be followed.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum PlanError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// The least stand-off is greater than the greatest.
-    #[error("there is no stand-off from {} to {} m", .range[0], .range[1])]
-    Standoffs {
-        /// Those given \[m\].
-        range: [f64; 2],
-    },
-    /// Moments are not apart, or more than [`COARSEST`], or there are more than ten million.
-    #[error("moments every {step} s up to {end} s are none, without end, too many or more than {COARSEST} s apart")]
-    Sampling {
-        /// Between moments \[s\].
-        step: f64,
-        /// The last one \[s\].
-        end: f64,
-    },
-    /// Nothing can keep the limits of the joints.
-    #[error(transparent)]
-    Joints(InvalidLimits),
-    /// Nothing can keep those of the platform.
-    #[error(transparent)]
-    Actuators(InvalidActuators),
-    /// Nothing can keep those of the rail: its range is empty, or a bound is not positive.
-    #[error("the rail from {} to {} m, with {bounds:?} m/s, m/s² and N, lets nothing move", .range[0], .range[1])]
-    Rail {
-        /// The ends of the rail \[m\].
-        range: [f64; 2],
-        /// Speed \[m/s\], acceleration \[m/s²\] and force \[N\].
-        bounds: [f64; 3],
-    },
-    /// The arm or the platform cannot be where it is to be.
-    #[error(transparent)]
-    Infeasible(#[from] Infeasible),
-}
-
-/// What breaks first, and when \[s\].
+/// Why there is no plan, or none that can be followed: what breaks first, and when \[s\].
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Infeasible {
-    /// The flight has no such moment.
+    /// There is no such experiment, plan or simulation, whatever the machines could do.
     #[error(transparent)]
-    Flight(#[from] OutsideFlight),
+    Refused(#[from] Error),
     /// The arm cannot follow.
     #[error("t = {time:.3} s: {reason}")]
     Arm {
         /// When.
         time: f64,
         /// Why.
-        reason: NotFollowed,
+        reason: Error,
     },
     /// An axis of the robot exceeds a limit.
     #[error("{0}")]
@@ -72,7 +29,7 @@ pub enum Infeasible {
         /// When.
         time: f64,
         /// Why.
-        reason: PoseError,
+        reason: Error,
     },
     /// A leg of the platform exceeds a limit.
     #[error("platform: {0}")]
@@ -85,19 +42,24 @@ pub enum Infeasible {
         /// Which.
         nearest: Nearest,
     },
+    /// The flight is over, and the flange has not come down.
+    #[error("no contact until t = {time} s, the flange is {height} m over the deck")]
+    NoContact {
+        /// When it was given up.
+        time: f64,
+        /// How high it is \[m\].
+        height: f64,
+    },
 }
 
-impl Infeasible {
-    /// When \[s\].
-    #[must_use]
-    pub fn time(&self) -> f64 {
-        match self {
-            Self::Flight(OutsideFlight { time, .. })
-            | Self::Arm { time, .. }
-            | Self::Pose { time, .. }
-            | Self::Collision { time, .. } => *time,
-            Self::Axis(violation) => violation.time,
-            Self::Leg(violation) => violation.time,
-        }
+impl From<Invalid> for Infeasible {
+    fn from(error: Invalid) -> Self {
+        Self::Refused(error.into())
+    }
+}
+
+impl From<mbs_runtime::IntegrationError> for Infeasible {
+    fn from(error: mbs_runtime::IntegrationError) -> Self {
+        Self::Refused(error.into())
     }
 }

@@ -15,14 +15,15 @@
 
 use std::vec::Vec;
 
-use mbs_models::check;
+use mbs_models::check::{self, Invalid, Must};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Integrator, State};
 
 use super::inbound::Inbound;
 use crate::quadrotor::backstepping::Reference;
 use crate::quadrotor::deck::{Deck, HeavingDeck};
 use crate::quadrotor::heave::Heave;
-use crate::quadrotor::landing::{Landing, LandingError, MOST_MOMENTS};
+use crate::quadrotor::landing::{Landing, MOST_MOMENTS};
 use mbs_platform::Coordinates;
 use mbs_platform::motion::hermite;
 
@@ -56,22 +57,12 @@ pub const OVERRUN: f64 = 0.5;
 /// Between the moments of a [`Flight::guided`] \[s\].
 const STEP: f64 = 0.002;
 
-/// A time before the beginning or after the end of a flight, or NaN.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("the flight lasts from 0 to {end} s, asked for was {time} s")]
-pub struct OutsideFlight {
-    /// The time asked for \[s\].
-    pub time: f64,
-    /// The last moment of the flight \[s\].
-    pub end: f64,
-}
-
 impl Flight {
     /// The simulated landing from this state: controller, rotors and drag included.
     ///
     /// # Errors
-    /// [`LandingError`], as of [`Landing::simulate`].
-    pub fn simulated(landing: &Landing, state: State<[f64; 6]>) -> Result<Self, LandingError> {
+    /// [`Error`], as of [`Landing::simulate`].
+    pub fn simulated(landing: &Landing, state: State<[f64; 6]>) -> Result<Self, Error> {
         let HeavingDeck { heave, place } = landing.deck;
         Self::flown(landing, state, heave, place)
     }
@@ -79,8 +70,8 @@ impl Flight {
     /// The simulated landing of a vehicle that comes from afar, level and moving as guidance asks for at the beginning.
     ///
     /// # Errors
-    /// [`LandingError`], as of [`Landing::simulate`]; `Invalid` too where the way is not finite or takes no time.
-    pub fn inbound(landing: &Landing<Inbound>) -> Result<Self, LandingError> {
+    /// [`Error`], as of [`Landing::simulate`]; of a number too where the way is not finite or takes no time.
+    pub fn inbound(landing: &Landing<Inbound>) -> Result<Self, Error> {
         landing.deck.check()?;
         let Inbound { heave, place, .. } = landing.deck;
         Self::flown(landing, landing.deck.over_start(landing.approach.height), heave, place)
@@ -91,7 +82,7 @@ impl Flight {
         state: State<[f64; 6]>,
         heave: Heave<4>,
         platform: [f64; 2],
-    ) -> Result<Self, LandingError> {
+    ) -> Result<Self, Error> {
         let motion = |t: f64, q: &[f64; 6], qd: &[f64; 6]| {
             landing.accelerations(t, q, qd, &landing.command(t, q, qd).rotors.speed)
         };
@@ -122,10 +113,9 @@ impl Flight {
     /// The landing that the guidance asks for: level, over the middle of the platform, without any error.
     ///
     /// # Errors
-    /// [`LandingError::Invalid`] where the approach never comes down or `t_end` is no time,
-    /// [`LandingError::NoTouchdown`], [`LandingError::TooManyMoments`] where the touchdown is more than
-    /// [`MOST_MOMENTS`] moments of 2 ms away.
-    pub fn guided(landing: &Landing) -> Result<Self, LandingError> {
+    /// [`Failure::Invalid`] where the approach never comes down, `t_end` is no time, or the touchdown is more than
+    /// [`MOST_MOMENTS`] moments of 2 ms away; [`Failure::NoContact`] where it is later than `t_end`.
+    pub fn guided(landing: &Landing) -> Result<Self, Error> {
         let approach = &landing.approach;
         let positive = [
             ("approach.duration", approach.duration),
@@ -133,14 +123,12 @@ impl Flight {
             ("approach.last_height", approach.last_height),
             ("t_end", landing.t_end),
         ];
-        positive.into_iter().try_for_each(|(parameter, value)| check::positive(parameter, value))?;
+        check::each(check::positive, positive)?;
         let touchdown = approach.duration + approach.last_height / approach.sink_rate;
         if touchdown > landing.t_end {
-            return Err(LandingError::NoTouchdown { time: landing.t_end, height: approach.at(landing.t_end).value });
+            return Err(Failure::NoContact { distance: approach.at(landing.t_end).value }.at_time(landing.t_end));
         }
-        if touchdown / STEP > f64::from(MOST_MOMENTS) {
-            return Err(LandingError::TooManyMoments { t_end: touchdown, period: STEP });
-        }
+        Must::BeAtMost(f64::from(MOST_MOMENTS)).check("number of moments", touchdown / STEP)?;
         let moment = |t: f64| {
             let [x, y, z] = landing.reference(t);
             let part = |of: fn(&Reference) -> f64| [of(&x), of(&y), of(&z), 0.0, 0.0, 0.0];
@@ -157,7 +145,7 @@ impl Flight {
         touchdown: f64,
         heave: Heave<4>,
         platform: [f64; 2],
-    ) -> Result<Self, LandingError> {
+    ) -> Result<Self, Error> {
         moments.as_flattened().iter().try_for_each(|&values| check::finite("a coordinate of the vehicle", values))?;
         Ok(Self { moments, step, touchdown, heave, platform })
     }
@@ -177,11 +165,9 @@ impl Flight {
     /// Coordinates `(x, y, z, φ, θ, ψ)` of the vehicle, their rates and accelerations.
     ///
     /// # Errors
-    /// [`OutsideFlight`].
-    pub fn at(&self, t: f64) -> Result<[Coordinates; 3], OutsideFlight> {
-        if !(0.0..=self.end()).contains(&t) {
-            return Err(OutsideFlight { time: t, end: self.end() });
-        }
+    /// [`Invalid`] for a time before the beginning or after the end of the flight, or NaN.
+    pub fn at(&self, t: f64) -> Result<[Coordinates; 3], Invalid> {
+        check::within("time", t, [0.0, self.end()])?;
         let k = ((t / self.step) as usize).min(self.moments.len() - 2);
         let (from, to) = (&self.moments[k], &self.moments[k + 1]);
         let s = t / self.step - k as f64;

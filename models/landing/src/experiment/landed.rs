@@ -13,10 +13,11 @@
 
 use core::ops::ControlFlow;
 
+use mbs_models::Error;
 use mbs_models::check::{self, Invalid, Must};
 use mbs_models::irb7600_rail::{Irb7600Rail, Params};
 use mbs_platform::jacobian::angular_rates;
-use mbs_platform::{Coordinates, HOME, LegVector, PoseError};
+use mbs_platform::{Coordinates, HOME, LegVector, NOT_FINITE};
 use mbs_runtime::control::{ComputedTorque, InvalidGain};
 use mbs_runtime::{Dop853, Integrator, Pose, Scalar, State, to_matrix};
 use nalgebra::{Vector3, Vector6};
@@ -25,7 +26,7 @@ use super::error::Infeasible;
 use super::plan::{BRANCH, Plan, turned_over};
 use super::rail_arm::{FlangeMotion, RailVector};
 use super::survey::Seen;
-use super::tracking::{Tracking, TrackingError};
+use super::tracking::Tracking;
 use crate::quadrotor::deck::DeckState;
 use crate::quadrotor::gear::{Contact, Damping, Gear, RigidMotion};
 
@@ -125,13 +126,8 @@ impl Plan<'_> {
     /// `observer` sees them whenever the controllers act.
     ///
     /// # Errors
-    /// [`TrackingError`]; `NoContact` where the flight ends before a foot touches.
-    pub fn land(
-        &self,
-        landed: &Landed,
-        from: f64,
-        mut observer: impl FnMut(&Meeting),
-    ) -> Result<Standing, TrackingError> {
+    /// [`Infeasible`]; `NoContact` where the flight ends before a foot touches.
+    pub fn land(&self, landed: &Landed, from: f64, mut observer: impl FnMut(&Meeting)) -> Result<Standing, Infeasible> {
         let (period, end) = (landed.tracking.period, self.experiment().flight.end());
         landed.check()?;
         landed.tracking.check(end + landed.after)?;
@@ -146,7 +142,7 @@ impl Plan<'_> {
             way.add(&meeting, landed.after);
             observer(&meeting);
             match way.touched {
-                None if t + period > end => return Err(TrackingError::NoContact { time: t, height: meeting.height }),
+                None if t + period > end => return Err(Infeasible::NoContact { time: t, height: meeting.height }),
                 Some(touched) if t >= touched + landed.after => return Ok(way.end(touched)),
                 _ => {}
             }
@@ -215,7 +211,7 @@ impl<'a> Pair<'a> {
     }
 
     /// What both controllers see and do.
-    fn meeting(&self, time: f64, state: &State<[f64; 13]>, felt: &mut Option<Felt>) -> Result<Meeting, TrackingError> {
+    fn meeting(&self, time: f64, state: &State<[f64; 13]>, felt: &mut Option<Felt>) -> Result<Meeting, Infeasible> {
         let (arm, platform) = parted(state);
         let deck = self.deck(&platform);
         let contact = self.contact(&arm, &deck);
@@ -226,7 +222,7 @@ impl<'a> Pair<'a> {
         }
         let wanted = self.plan.deck(time);
         let control = &self.plan.experiment().platform;
-        let failed = |reason| TrackingError::from(Infeasible::Pose { time, reason });
+        let failed = |reason| Infeasible::Pose { time, reason };
         let legs = control.computed_forces(&self.platform, &wanted, &platform.q, &platform.qd).map_err(failed)?;
         let away = Vector3::from(pose.position) - Vector3::from(deck.position);
         let offset = to_matrix(&deck.rotation).tr_mul(&away);
@@ -246,7 +242,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Along the plan, or with the deck as it is planned, soft and without the vehicle's weight.
-    fn drives(&self, t: f64, arm: &State<RailVector>, felt: Option<&Felt>) -> Result<RailVector, TrackingError> {
+    fn drives(&self, t: f64, arm: &State<RailVector>, felt: Option<&Felt>) -> Result<RailVector, Infeasible> {
         let robot = &self.plan.experiment().robot;
         let asked = match felt {
             None => {
@@ -289,12 +285,12 @@ impl<'a> Pair<'a> {
         state: &State<Coordinates>,
         legs: &LegVector,
         wrench: &[f64; 6],
-    ) -> Result<Coordinates, PoseError> {
+    ) -> Result<Coordinates, Error> {
         let platform = &self.plan.experiment().platform;
         let free = platform.accelerations(&state.q, &state.qd, legs)?;
         let [x, y, z, moment @ ..] = *wrench;
         let [a, b, c]: [f64; 3] = to_matrix(&angular_rates(&state.q)).tr_mul(&Vector3::from(moment)).into();
-        let masses = to_matrix(&platform.model().mass_matrix(&state.q)).cholesky().ok_or(PoseError::NonFinite)?;
+        let masses = to_matrix(&platform.model().mass_matrix(&state.q)).cholesky().ok_or(NOT_FINITE)?;
         let pushed: Vector6<f64> = masses.solve(&Vector6::new(x, y, z, a, b, c));
         Ok(core::array::from_fn(|i| free[i] + pushed[i]))
     }

@@ -1,18 +1,20 @@
 //! What all machines do at one scale.
 
-use mbs_models::check;
+use mbs_models::Failure;
+use mbs_models::check::{self, Invalid, Must};
 use mbs_runtime::{Dual, Pose};
 
 use super::collision::Shapes;
-use super::error::{Infeasible, PlanError};
-use super::flight::{Flight, OutsideFlight};
+use super::error::Infeasible;
+use super::flight::Flight;
 use super::limits::axis_violations;
 use super::masses;
-use super::rail_arm::{FlangeMotion, NotFollowed, RailArm, angles, joined};
+use super::rail_arm::{FlangeMotion, RailArm, angles, joined};
 use super::survey::{Moment, Survey};
 use mbs_arm::inverse::{Branch, Elbow, Shoulder, Wrist};
 use mbs_arm::jacobian::determinant_factors;
 use mbs_arm::trajectory::JointState;
+use mbs_arm::trajectory::cartesian::ON_BRANCH;
 use mbs_platform::geometry::attitude;
 use mbs_platform::jacobian::angular_rates;
 use mbs_platform::limits::LegState;
@@ -116,35 +118,34 @@ impl Experiment {
     /// The plan at this scale with this stand-off of the carriage \[m\].
     ///
     /// # Errors
-    /// [`PlanError`], but for [`PlanError::Infeasible`], which a [survey](Plan::survey) tells.
-    pub fn plan_at(&self, scale: f64, standoff: f64) -> Result<Plan<'_>, PlanError> {
+    /// [`Infeasible::Refused`]; what breaks first is told by a [survey](Plan::survey).
+    pub fn plan_at(&self, scale: f64, standoff: f64) -> Result<Plan<'_>, Infeasible> {
         self.check()?;
         check::positive("scale", scale)?;
         check::finite("standoff", standoff)?;
         Ok(Plan { experiment: self, scale, standoff })
     }
 
-    fn check(&self) -> Result<(), PlanError> {
+    fn check(&self) -> Result<(), Invalid> {
         check::finite("cell.platform", self.cell.platform)?;
         check::finite("cell.deck", self.cell.deck)?;
         check::finite("standoffs", self.standoffs)?;
         self.shapes.check()?;
         check::finite("heaving", self.heaving)?;
         let [least, greatest] = self.standoffs;
-        if greatest < least {
-            return Err(PlanError::Standoffs { range: self.standoffs });
-        }
+        Must::BeAtLeast(least).check("greatest standoff", greatest)?;
         let longest = self.flight.touchdown().max(self.heaving);
-        if !(self.sampling > 0.0 && self.sampling <= COARSEST && longest / self.sampling < MOST_MOMENTS) {
-            return Err(PlanError::Sampling { step: self.sampling, end: longest });
-        }
+        check::positive("sampling", self.sampling)?;
+        Must::BeAtMost(COARSEST).check("sampling", self.sampling)?;
+        Must::BeLessThan(MOST_MOMENTS).check("number of moments", longest / self.sampling)?;
         masses::check(self.robot.model.params())?;
-        self.robot.joints.check().map_err(PlanError::Joints)?;
-        self.platform.limits.check().map_err(PlanError::Actuators)?;
+        self.robot.joints.check()?;
+        self.platform.limits.check()?;
         let rail = &self.robot.rail;
-        let (range, bounds) = (rail.range, [rail.speed, rail.acceleration, rail.force]);
-        let sound = range[0] <= range[1] && bounds.iter().all(|&bound| bound > 0.0);
-        if sound { Ok(()) } else { Err(PlanError::Rail { range, bounds }) }
+        Must::BeAtLeast(rail.range[0]).check("end of the rail", rail.range[1])?;
+        Must::BeMoreThan(0.0).check("largest speed on the rail", rail.speed)?;
+        Must::BeMoreThan(0.0).check("largest acceleration on the rail", rail.acceleration)?;
+        Must::BeMoreThan(0.0).check("largest force on the rail", rail.force)
     }
 }
 
@@ -175,8 +176,8 @@ impl<'a> Plan<'a> {
     /// What the flange is to do at a time \[s\].
     ///
     /// # Errors
-    /// [`OutsideFlight`].
-    pub fn flange(&self, t: f64) -> Result<FlangeMotion, OutsideFlight> {
+    /// [`Invalid`] for a time outside of the flight.
+    pub fn flange(&self, t: f64) -> Result<FlangeMotion, Invalid> {
         let Experiment { cell, flight, attitude: taken, .. } = self.experiment;
         let [q, qd, qdd] = flight.at(t)?;
         let scaled = |x: &Coordinates| [0, 1, 2].map(|axis| self.scale * x[axis]);
@@ -254,8 +255,8 @@ impl<'a> Plan<'a> {
             let pose = self.flange(time)?.pose;
             let rail = pose.position[0] - self.standoff;
             let solutions = self.experiment.robot.inverse(&pose, rail);
-            let solution = solutions.map_err(|reason| failed(reason.into()))?.of_branch(BRANCH);
-            let q = solution.ok_or(failed(NotFollowed::BranchEnds { branch: BRANCH }))?.q;
+            let solution = solutions.map_err(failed)?.of_branch(BRANCH);
+            let q = solution.ok_or(failed(Failure::Missing(ON_BRANCH).into()))?.q;
             let nearest = self.nearest(&joined(rail, q), &self.deck(time)[0]);
             let nearest = nearest.map_err(|reason| Infeasible::Pose { time, reason })?;
             least = least.min(determinant_factors(&q).margin()).min(nearest.distance / WIDE);

@@ -30,12 +30,14 @@
 //! assert!((0..6).all(|i| (twist[i] - flange.twist[i]).abs() < 1e-12));
 //! ```
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Pose, to_matrix, to_vector};
 use nalgebra::Vector6;
 
-use mbs_arm::inverse::{Branch, InverseKinematics, Solutions, Unsolvable};
+use mbs_arm::inverse::{Branch, InverseKinematics, Solutions};
 use mbs_arm::jacobian::determinant_factors;
 use mbs_arm::trajectory::JointState;
+use mbs_arm::trajectory::cartesian::ON_BRANCH;
 use mbs_arm::{JointLimits, JointVector};
 use mbs_models::irb7600_rail::Irb7600Rail;
 
@@ -83,28 +85,7 @@ impl FlangeMotion {
     }
 }
 
-/// Why the arm cannot follow its flange.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum NotFollowed {
-    /// The pose is none, or out of reach from where the carriage is.
-    #[error(transparent)]
-    Unreachable(#[from] Unsolvable),
-    /// The pose is reached on other branches, but not on this one.
-    #[error("the pose is not reached on the branch {branch:?}")]
-    BranchEnds {
-        /// The branch asked for.
-        branch: Branch,
-    },
-    /// Branches meet, or nearly.
-    #[error("the arm is singular: a margin of {margin:e} is left")]
-    Singular {
-        /// What is left of the [margin](mbs_arm::jacobian::Factors::margin).
-        margin: f64,
-    },
-    /// A velocity or an acceleration of the flange is infinite or NaN.
-    #[error("a velocity or an acceleration of the flange is infinite or NaN")]
-    NonFinite,
-}
+const FLANGE_MOTION: &str = "a velocity or an acceleration of the flange";
 
 /// A margin that is no larger counts as singular: half of the digits of the rates would be lost.
 pub const SINGULAR: f64 = 1e-8;
@@ -145,8 +126,8 @@ impl RailArm {
     /// All configurations of the arm that reach a pose of the flange while the carriage is at `rail` \[m\].
     ///
     /// # Errors
-    /// [`Unsolvable`] where the pose, or the place of the carriage, is none, or the pose is out of reach from there.
-    pub fn inverse(&self, pose: &Pose<f64>, rail: f64) -> Result<Solutions, Unsolvable> {
+    /// [`Error`] where the pose, or the place of the carriage, is none, or the pose is out of reach from there.
+    pub fn inverse(&self, pose: &Pose<f64>, rail: f64) -> Result<Solutions, Error> {
         let [x, y, z] = pose.position;
         InverseKinematics::default().solve(&Pose { position: [x - rail, y, z], rotation: pose.rotation })
     }
@@ -157,27 +138,28 @@ impl RailArm {
     /// Angles are in `[−π, π]`: ranges are checked by whoever asks.
     ///
     /// # Errors
-    /// [`NotFollowed`].
-    pub fn follow(&self, flange: &FlangeMotion, standoff: f64, branch: Branch) -> Result<JointState<7>, NotFollowed> {
+    /// [`Error`].
+    pub fn follow(&self, flange: &FlangeMotion, standoff: f64, branch: Branch) -> Result<JointState<7>, Error> {
         let rail = flange.pose.position[0] - standoff;
-        let solution = self.inverse(&flange.pose, rail)?.of_branch(branch).ok_or(NotFollowed::BranchEnds { branch })?;
+        let solution = self.inverse(&flange.pose, rail)?.of_branch(branch).ok_or(Failure::Missing(ON_BRANCH))?;
         let margin = determinant_factors(&solution.q).margin();
+        let singular = Failure::Singular { of: "the arm", smallest: margin, largest: 1.0 };
         // NaN is not.
         let is_regular = margin > SINGULAR;
         if !is_regular {
-            return Err(NotFollowed::Singular { margin });
+            return Err(singular.into());
         }
         let q = joined(rail, solution.q);
         let jacobian = self.model.flange_jacobian(&q);
         let of_joints = jacobian.map(|row| core::array::from_fn::<f64, 6, _>(|j| row[1 + j]));
         let factors = to_matrix(&of_joints).lu();
         // The carriage moves with the flange's x.
-        let solve = |carriage: f64, rest: [f64; 6]| {
+        let solve = |carriage: f64, rest: [f64; 6]| -> Result<RailVector, Failure> {
             let rest: [f64; 6] = core::array::from_fn(|i| rest[i] - jacobian[i][0] * carriage);
             let found: Option<Vector6<f64>> = factors.solve(&to_vector(&rest));
-            let found = found.ok_or(NotFollowed::Singular { margin })?;
+            let found = found.ok_or(singular)?;
             let all = joined(carriage, found.into());
-            if all.iter().all(|x| x.is_finite()) { Ok(all) } else { Err(NotFollowed::NonFinite) }
+            if all.iter().all(|x| x.is_finite()) { Ok(all) } else { Err(Failure::NotFinite(FLANGE_MOTION)) }
         };
         let qd = solve(flange.twist[0], flange.twist)?;
         let jacobian_rate = self.model.flange_jacobian_rate(&q, &qd);

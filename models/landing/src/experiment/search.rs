@@ -17,9 +17,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use super::error::{Infeasible, PlanError};
+use super::error::Infeasible;
 use super::plan::{Experiment, Plan};
 use super::survey::Survey;
+use mbs_models::Failure;
+use mbs_models::check::{self, Must};
 
 /// How scales are searched.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -54,25 +56,6 @@ pub struct Greatest<'a> {
     pub next: Option<(f64, Infeasible)>,
 }
 
-/// Why a search finds nothing.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum SearchError {
-    /// Step, tolerance or greatest scale are not positive numbers, or there are more than a million steps.
-    #[error("scales by steps of {} up to {}, to {}, are none, without end or too many", .0.step, .0.most, .0.tolerance)]
-    Invalid(Search),
-    /// There is no plan at a scale, for another reason than that a limit breaks.
-    #[error(transparent)]
-    Plan(PlanError),
-    /// The smallest scale that is tried is infeasible.
-    #[error("not even the scale {scale} is feasible: {reason}")]
-    NoneFeasible {
-        /// That scale.
-        scale: f64,
-        /// What breaks first.
-        reason: Infeasible,
-    },
-}
-
 impl Experiment {
     /// The greatest feasible scale: by steps upwards to the first that is infeasible, then by halving.
     ///
@@ -84,12 +67,13 @@ impl Experiment {
     /// stay broken but in odd cases.
     ///
     /// # Errors
-    /// [`SearchError`].
-    pub fn greatest_scale(&self, search: &Search) -> Result<Greatest<'_>, SearchError> {
+    /// [`Infeasible`]: what breaks first at the smallest scale that is tried, or [`Infeasible::Refused`].
+    pub fn greatest_scale(&self, search: &Search) -> Result<Greatest<'_>, Infeasible> {
         let Search { step, tolerance, most } = *search;
-        if !([step, tolerance, most].iter().all(|x| *x > 0.0 && x.is_finite()) && most / step < MOST_STEPS) {
-            return Err(SearchError::Invalid(*search));
-        }
+        check::positive("step", step)?;
+        check::positive("tolerance", tolerance)?;
+        check::positive("most", most)?;
+        Must::BeLessThan(MOST_STEPS).check("number of steps", most / step)?;
         let mut feasible = None;
         let mut next = None;
         for scale in (1_u32..).map(|k| (f64::from(k) * step).min(most)) {
@@ -105,8 +89,8 @@ impl Experiment {
             }
         }
         let Some((mut plan, mut survey)) = feasible else {
-            let (scale, reason) = next.ok_or(SearchError::Invalid(*search))?;
-            return Err(SearchError::NoneFeasible { scale, reason });
+            let none = Failure::Missing("scale to try").into();
+            return Err(next.map_or(Infeasible::Refused(none), |(_, reason)| reason));
         };
         if let Some((above, reason)) = &mut next {
             while *above - plan.scale() > tolerance {
@@ -125,12 +109,11 @@ impl Experiment {
     }
 
     /// The plan at a scale, or what breaks first.
-    fn tried(&self, scale: f64) -> Result<Result<(Plan<'_>, Survey), Infeasible>, SearchError> {
-        let plan = match self.plan(scale) {
-            Ok(plan) => plan,
-            Err(PlanError::Infeasible(reason)) => return Ok(Err(reason)),
-            Err(error) => return Err(SearchError::Plan(error)),
-        };
-        Ok(plan.survey().and_then(|survey| survey.broken.map_or(Ok((plan, survey)), Err)))
+    fn tried(&self, scale: f64) -> Result<Result<(Plan<'_>, Survey), Infeasible>, Infeasible> {
+        let found = self.plan(scale).and_then(|plan| plan.survey().map(|survey| (plan, survey)));
+        match found {
+            Err(Infeasible::Refused(error)) => Err(error.into()),
+            found => Ok(found.and_then(|found| found.1.broken.map_or(Ok(found), Err))),
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use mbs_runtime::Scalar;
 
-use super::error::{Infeasible, PlanError};
+use super::error::Infeasible;
 use super::plan::{Experiment, Plan};
 use mbs_arm::{A1, A2, A3, D1, D4, D6};
 
@@ -24,9 +24,8 @@ impl Experiment {
     /// made better by golden sections.
     ///
     /// # Errors
-    /// [`PlanError`]; [`PlanError::Infeasible`] if no stand-off lets the flange go all the way: why that in the middle
-    /// does not.
-    pub fn plan(&self, scale: f64) -> Result<Plan<'_>, PlanError> {
+    /// [`Infeasible`]: if no stand-off lets the flange go all the way, why that in the middle does not.
+    pub fn plan(&self, scale: f64) -> Result<Plan<'_>, Infeasible> {
         let wanted = self.plan_at(scale, middle(self.standoffs))?;
         let Some(reached) = overlap(self.standoffs, [-REACH, REACH]) else {
             // It is too far at any of them.

@@ -20,13 +20,14 @@ use core::ops::ControlFlow;
 use mbs_models::check::{Invalid, Must};
 use mbs_runtime::attitude::{difference, log};
 use mbs_runtime::control::{ComputedTorque, InvalidGain};
-use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Scalar, State};
+use mbs_runtime::{Dop853, Event, Integrator, Scalar, State};
 
 use super::error::Infeasible;
 use super::masses;
 use super::plan::{Plan, turned_over};
 use super::rail_arm::{RailArm, RailVector};
 use super::survey::{Seen, greatest_part};
+use crate::quadrotor::landing::HEIGHT;
 use mbs_arm::trajectory::JointState;
 use mbs_models::irb7600_rail::{Irb7600Rail, Params};
 
@@ -78,11 +79,11 @@ impl Tracking {
         Self { plant: model.model, natural_frequency: 20.0, period: 0.004, integrator: Dop853::new(1e-10, 1e-11) }
     }
 
-    pub(super) fn check(&self, end: f64) -> Result<(), TrackingError> {
+    pub(super) fn check(&self, end: f64) -> Result<(), Invalid> {
         masses::check(self.plant.params())?;
         let Self { period, .. } = *self;
-        let sound = period > 0.0 && end / period < MOST_LOOKS;
-        if sound { Ok(()) } else { Err(TrackingError::InvalidPeriod { period, end }) }
+        Must::BeMoreThan(0.0).check("period", period)?;
+        Must::BeLessThan(MOST_LOOKS).check("number of looks", end / period)
     }
 }
 
@@ -136,42 +137,6 @@ pub struct Tracked {
     pub saturated: f64,
 }
 
-/// Why there is no contact.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum TrackingError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// The period is not positive, or there are more than ten million in a flight.
-    #[error("looks every {period} s up to {end} s are none, without end or too many")]
-    InvalidPeriod {
-        /// The period given \[s\].
-        period: f64,
-        /// When the flight ends \[s\].
-        end: f64,
-    },
-    /// The plan cannot be followed.
-    #[error(transparent)]
-    Infeasible(#[from] Infeasible),
-    /// The flange does not start over the deck.
-    #[error("the flange begins {height} m over the deck")]
-    NotAbove {
-        /// How high it is \[m\].
-        height: f64,
-    },
-    /// The flight is over, and the flange has not come down.
-    #[error("no contact until t = {time} s, the flange is {height} m over the deck")]
-    NoContact {
-        /// When it was given up \[s\].
-        time: f64,
-        /// How high it is \[m\].
-        height: f64,
-    },
-    /// The integration failed.
-    #[error(transparent)]
-    Integration(#[from] IntegrationError),
-}
-
 impl Plan<'_> {
     /// Simulates the arm from where the plan begins to the contact with the deck. `observer` sees every look of the
     /// controller.
@@ -188,8 +153,8 @@ impl Plan<'_> {
     /// ```
     ///
     /// # Errors
-    /// [`TrackingError`].
-    pub fn track(&self, tracking: &Tracking, mut observer: impl FnMut(&Look)) -> Result<Tracked, TrackingError> {
+    /// [`Infeasible`].
+    pub fn track(&self, tracking: &Tracking, mut observer: impl FnMut(&Look)) -> Result<Tracked, Infeasible> {
         tracking.check(self.experiment().flight.end())?;
         let control = ComputedTorque::critically_damped(tracking.natural_frequency)
             .map_err(|InvalidGain { gain, .. }| Must::BePositive.broken_by("natural_frequency", gain))?;
@@ -198,16 +163,14 @@ impl Plan<'_> {
         let start = self.axes(0.0)?;
         let mut state = State::new(start.q, start.qd);
         let over = height(0.0, &state);
-        if over.is_nan() || over <= 0.0 {
-            return Err(TrackingError::NotAbove { height: over });
-        }
+        Must::BeMoreThan(0.0).check(HEIGHT, over)?;
         let mut way = Way::default();
         let end = self.experiment().flight.end();
         for k in 0_u32.. {
             let t = f64::from(k) * tracking.period;
             let until = f64::from(k + 1) * tracking.period;
             if until > end {
-                return Err(TrackingError::NoContact { time: t, height: height(t, &state) });
+                return Err(Infeasible::NoContact { time: t, height: height(t, &state) });
             }
             let look = self.look(tracking, &control, t, &state)?;
             way.add(&look, &self.experiment().robot.force_limits());
@@ -238,7 +201,7 @@ impl Plan<'_> {
         control: &ComputedTorque<7>,
         time: f64,
         state: &State<RailVector>,
-    ) -> Result<Look, TrackingError> {
+    ) -> Result<Look, Infeasible> {
         let wanted = self.axes(time)?;
         let robot = &self.experiment().robot;
         let acceleration = control.acceleration(&[wanted.q, wanted.qd, wanted.qdd], &state.q, &state.qd);

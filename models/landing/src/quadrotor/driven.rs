@@ -9,19 +9,24 @@
 //! What legs cannot do is not held back but told: lengths, speeds and forces go into a [`Survey`] with all excesses.
 //! Legs that leave their stroke are as long as the motion needs; forces that are cut leave the motion behind its plan.
 
+use mbs_models::{Error, check};
 use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Scalar, State};
 use nalgebra::Vector3;
 
 use super::backstepping::Command;
 use super::deck::{DeckState, MovingDeck};
-use super::landing::{Landing, LandingError, attitude_told, finite_deck};
+use super::landing::{Landing, attitude_told, finite_deck};
 use super::mixer::RotorSpeeds;
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 use mbs_platform::jacobian::Regularity;
 use mbs_platform::limits::{LegState, Survey};
-use mbs_platform::{Coordinates, LegVector, Platform, PlatformMotion, PoseError};
+use mbs_platform::{Coordinates, LegVector, NOT_FINITE, Platform, PlatformMotion};
+
+/// What is not positive where a driven platform has come through a pose in which its legs could not hold it: the
+/// determinant of their Jacobian by coordinates has changed its sign.
+pub const SIDE: &str = "determinant of the legs over that at the beginning";
 
 /// What drives a deck.
 #[derive(Clone, Debug)]
@@ -104,38 +109,34 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
     /// act.
     ///
     /// # Errors
-    /// [`LandingError`]; `Invalid` where the period is not, `Limits` where nothing can keep those of the platform,
-    /// `Platform` where its legs cannot hold it, `ThroughSingularity` where they could not on the way from one moment
-    /// to the next.
+    /// [`Error`]; of a number where the period or a limit of the platform is none, and of [`SIDE`] where its legs could
+    /// not hold it on the way from one moment to the next; `Singular` where they cannot at a moment.
     pub fn simulate_driven(
         &self,
         vehicle: State<[f64; 6]>,
         drive: &Drive,
         period: f64,
         mut observer: impl FnMut(&DrivenMoment),
-    ) -> Result<DrivenTouchdown, LandingError> {
+    ) -> Result<DrivenTouchdown, Error> {
         self.check(&vehicle, period)?;
         let Drive { platform, control } = drive;
-        platform.limits.check().map_err(LandingError::Limits)?;
+        platform.limits.check()?;
         let start = State::new(self.deck.motion.at(0.0)[0], [0.0; 6]);
-        let regularity =
-            |time: f64, q: &Coordinates| platform.regularity(q).map_err(|error| LandingError::Platform { time, error });
+        let regularity = |time: f64, q: &Coordinates| platform.regularity(q).map_err(|error| error.or_at_time(time));
         let before = determinant(&regularity(0.0, &start.q)?, &start.q);
         // How far from a singular pose it is, on the side of the singular ones on which it began.
         let held = |time: f64, q: &Coordinates| {
             let regularity = regularity(time, q)?;
             let determinant = determinant(&regularity, q);
-            if determinant * before < 0.0 {
-                return Err(LandingError::ThroughSingularity { time, determinant, before });
-            }
-            Ok(regularity)
+            let same_side = check::positive(SIDE, determinant / before);
+            same_side.map(|()| regularity).map_err(|error| error.at_time(time))
         };
         let (mut way, mut survey, mut greatest_error) = (Way::new(), Survey::default(), TrackingError::default());
         let hold = |t: f64, both: &State<[f64; 12]>| {
             let (vehicle, stands) = parted(both);
             attitude_told(&vehicle, t)?;
             let plan = self.deck.motion.at(t);
-            let failed = |error| LandingError::Platform { time: t, error };
+            let failed = |error: Error| error.or_at_time(t);
             let force = platform.computed_forces(control, &plan, &stands.q, &stands.qd).map_err(failed)?;
             let legs = LegState {
                 length: platform.lengths(&stands.q).map_err(failed)?,
@@ -151,7 +152,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
             let command = self.command_over(&deck, t, &vehicle.q, &vehicle.qd);
             way.hold(t, &vehicle, &command, &deck);
             observer(&DrivenMoment { time: t, vehicle, platform: stands, deck, command, legs });
-            Ok::<_, LandingError>(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
+            Ok(Held { rotors: command.rotors, forces: platform.limits.saturated(&force) })
         };
         let height = |vehicle: &State<[f64; 6]>, stands: &State<[f64; 6]>| {
             let [x, y, z, ..] = vehicle.q;
@@ -181,7 +182,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         held(time, &stands.q)?;
         let plan = self.deck.motion.at(time);
         if !plan.as_flattened().iter().all(|x| x.is_finite()) {
-            return Err(LandingError::Platform { time, error: PoseError::NonFinite });
+            return Err(NOT_FINITE.at_time(time));
         }
         let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
         Ok(DrivenTouchdown {

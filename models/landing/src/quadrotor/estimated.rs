@@ -3,12 +3,13 @@
 //! IMU, estimator and controller run at one rate. An interval of the IMU is what passed since the controller acted
 //! last; its sample is of the middle of it, with the rotor speeds that were held.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::{IntegrationError, Rk4Stepper, State, to_matrix, to_rows};
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 
 use super::backstepping::Command;
 use super::deck::{Deck, DeckState, angles_of};
-use super::landing::{Landing, LandingError, attitude_told, finite_deck};
+use super::landing::{Landing, attitude_told, finite_deck};
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 use crate::estimator::filter::{Filter, Innovation};
@@ -62,8 +63,7 @@ impl<D: Deck> Landing<D> {
     /// does. `observer` sees every moment at which the controller acts.
     ///
     /// # Errors
-    /// [`LandingError`]; `Invalid` where a number of the sensors is not valid, `Sensor` where an estimate is NaN or
-    /// infinite.
+    /// [`Error`]; of a number of the sensors that is none; `NotFinite` where an estimate is NaN or infinite.
     pub fn simulate_estimated(
         &self,
         state: State<[f64; 6]>,
@@ -72,7 +72,7 @@ impl<D: Deck> Landing<D> {
         mut filter: Filter,
         mut normal: impl Normal,
         mut observer: impl FnMut(&EstimatedMoment<'_>),
-    ) -> Result<Touchdown, LandingError> {
+    ) -> Result<Touchdown, Error> {
         sensors.check()?;
         let period = sensors.imu.interval;
         self.check(&state, period)?;
@@ -129,7 +129,7 @@ impl<D: Deck> Landing<D> {
 
             let seen = vehicle_state(&filter.estimate.nominal, &last, sensors);
             if !seen.is_finite() {
-                return Err(LandingError::Sensor { time: t });
+                return Err(Failure::NotFinite("what a sensor gives").at_time(t));
             }
             let command = self.command_over(&deck, t, &seen.q, &seen.qd);
             way.hold(t, state, &command, &deck);

@@ -6,6 +6,7 @@
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, equations (5.10) and (5.11), which print
 //! velocities in the place of some accelerations, and lose one (E33, E34 of `docs/thesis/errata.md`).
 
+use mbs_models::check::{self, Invalid};
 use mbs_runtime::Scalar;
 
 /// Roll and pitch \[rad\], and the thrust per mass \[m/s²\].
@@ -19,24 +20,16 @@ pub struct Attitude {
     pub specific_thrust: f64,
 }
 
-/// Rotors that only push upwards cannot give this acceleration with an attitude that is not upside down.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("it is to fall freely or faster: g + a_z = {upward} m/s²")]
-pub struct Falling {
-    /// `g + a_z` \[m/s²\], not positive.
-    pub upward: f64,
-}
-
 /// The attitude with yaw ψ \[rad\] in which thrust gives the acceleration a \[m/s²\] against gravity g \[m/s²\].
 ///
 /// # Errors
-/// [`Falling`] where `g + a_z` is not positive (or is NaN).
-pub fn attitude(acceleration: [f64; 3], yaw: f64, gravity: f64) -> Result<Attitude, Falling> {
+/// [`Invalid`] where `g + a_z` is not positive: rotors that only push upwards cannot give such an acceleration with an
+/// attitude that is not upside down.
+pub fn attitude(acceleration: [f64; 3], yaw: f64, gravity: f64) -> Result<Attitude, Invalid> {
     let [x, y, z] = acceleration;
     let upward = gravity + z;
-    if !(upward > 0.0 && x.is_finite() && y.is_finite()) {
-        return Err(Falling { upward });
-    }
+    check::finite("acceleration", acceleration)?;
+    check::positive("g + a_z", upward)?;
     let (sin, cos) = Scalar::sin_cos(yaw);
     let (ahead, aside) = (x * cos + y * sin, x * sin - y * cos);
     let in_plane = Scalar::sqrt(ahead * ahead + upward * upward);
@@ -50,6 +43,8 @@ pub fn attitude(acceleration: [f64; 3], yaw: f64, gravity: f64) -> Result<Attitu
 
 #[cfg(test)]
 mod tests {
+    use mbs_models::check::Must;
+
     use super::*;
 
     #[test]
@@ -65,7 +60,7 @@ mod tests {
 
     #[test]
     fn no_attitude_falls_faster_than_freely() {
-        assert_eq!(attitude([0.0, 0.0, -11.0], 0.0, 9.0), Err(Falling { upward: -2.0 }));
+        assert_eq!(attitude([0.0, 0.0, -11.0], 0.0, 9.0), Err(Must::BePositive.broken_by("g + a_z", -2.0)));
         assert!(attitude([f64::NAN, 0.0, 0.0], 0.0, 9.0).is_err());
     }
 }

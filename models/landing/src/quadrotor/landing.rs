@@ -4,11 +4,11 @@
 //! down where its mass centre comes to the plane of the deck, or the first foot of its [`gear`](Landing::gear).
 
 mod check;
-mod error;
 
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
+use mbs_models::{Error, Failure};
 use mbs_platform::geometry::attitude;
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, State, Step, to_matrix};
 use nalgebra::Vector3;
@@ -24,8 +24,8 @@ use super::small_angle;
 use super::touchdown::{Touchdown, Way};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 
+pub use check::{HEIGHT, LEVEL};
 pub(super) use check::{attitude_told, finite_deck, upright};
-pub use error::LandingError;
 
 /// The equations that move the quadrotor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,12 +223,12 @@ impl<D: Deck> Landing<D> {
     /// The controller acts in continuous time. `observer` sees times, states and commands every 2 ms.
     ///
     /// # Errors
-    /// [`LandingError`].
+    /// [`Error`].
     pub fn simulate(
         &self,
         mut state: State<[f64; 6]>,
         mut observer: impl FnMut(f64, &State<[f64; 6]>, &Command),
-    ) -> Result<Touchdown, LandingError> {
+    ) -> Result<Touchdown, Error> {
         self.check(&state, SAMPLING)?;
         // When the deck was NaN; the last time is the nearest one, as steps get shorter.
         let lost = Cell::new(None);
@@ -250,7 +250,7 @@ impl<D: Deck> Landing<D> {
             while next as f64 * SAMPLING <= step.time() {
                 let t = next as f64 * SAMPLING;
                 let deck = self.deck.at(t);
-                let seen = step.interpolate(t, &mut sample).map_err(LandingError::Integration);
+                let seen = step.interpolate(t, &mut sample).map_err(Error::from);
                 let told = seen.and_then(|()| attitude_told(&sample, t));
                 if let Err(error) = told.and_then(|()| finite_deck(deck, t)) {
                     failed.set(Some(error));
@@ -279,14 +279,14 @@ impl<D: Deck> Landing<D> {
         let summary = match (end, lost.get()) {
             (Ok(summary), _) => summary,
             (Err(IntegrationError::NonFiniteState { .. } | IntegrationError::NonFiniteEvent { .. }), Some(time)) => {
-                return Err(LandingError::Deck { time });
+                return Err(Failure::NotFinite("the deck").at_time(time));
             }
             (Err(error), _) => return Err(error.into()),
         };
         let time = summary.time;
         let deck = finite_deck(self.deck.at(time), time)?;
         if !summary.stopped {
-            return Err(LandingError::NoTouchdown { time, height: deck.height(&place(&state.q)) });
+            return Err(Failure::NoContact { distance: deck.height(&place(&state.q)) }.at_time(time));
         }
         way.reach(time, &state, &self.command_over(&deck, time, &state.q, &state.qd), &deck);
         way.touchdown(self.vehicle.params().drag_factor, time, state, deck)

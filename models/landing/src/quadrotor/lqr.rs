@@ -44,11 +44,6 @@ impl Default for Weights {
     }
 }
 
-/// The equation has no stabilizing solution: a parameter is NaN or infinite, or some motion is out of control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no stabilizing solution of the Riccati equation was found")]
-pub struct NoRegulator;
-
 /// The regulator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lqr {
@@ -64,8 +59,8 @@ impl Lqr {
     /// For these deviations, about hovering.
     ///
     /// # Errors
-    /// [`NoRegulator`].
-    pub fn new(params: Params<f64>, weights: &Weights) -> Result<Self, NoRegulator> {
+    /// [`ControlError`](control::ControlError) where a parameter is NaN or infinite, or some motion is out of control.
+    pub fn new(params: Params<f64>, weights: &Weights) -> Result<Self, control::ControlError> {
         let mixer = Mixer::new(&params);
         let (a, b) = linearized(&params);
         let square = |deviation: f64| 1.0 / (deviation * deviation);
@@ -76,7 +71,7 @@ impl Lqr {
             _ => square(weights.rate),
         });
         let r: [[f64; INPUTS]; INPUTS] = diagonal(|_| square(weights.rotor_speed));
-        let regulator = control::lqr(&a, &b, &q, &r).map_err(|_| NoRegulator)?;
+        let regulator = control::lqr(&a, &b, &q, &r)?;
         Ok(Lqr { params, mixer, gain: to_matrix(&regulator.gain) })
     }
 
@@ -158,6 +153,6 @@ mod tests {
     #[test]
     fn nothing_is_regulated_without_rotors() {
         let params = Params { thrust_factor: f64::NAN, ..Params::default() };
-        assert_eq!(Lqr::new(params, &Weights::default()), Err(NoRegulator));
+        assert!(matches!(Lqr::new(params, &Weights::default()), Err(control::ControlError::NotFinite { .. })));
     }
 }

@@ -26,7 +26,6 @@
 //! optimization in optimal feedback control*, SIAM Journal on Control and Optimization 43:5, 2005.
 
 pub mod controller;
-mod error;
 pub mod flight;
 pub mod limits;
 pub mod problem;
@@ -37,5 +36,4 @@ pub mod step;
 #[cfg(test)]
 mod tests;
 
-pub use error::PredictiveError;
 pub use problem::OptimalControl;

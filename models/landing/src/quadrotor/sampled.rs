@@ -1,9 +1,10 @@
 //! Landing under a sampled controller that sees the state through sensors.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::State;
 
 use super::deck::Deck;
-use super::landing::{Landing, LandingError, attitude_told, finite_deck};
+use super::landing::{Landing, attitude_told, finite_deck};
 use super::touchdown::{Touchdown, Way};
 use super::zero_order_hold::ZeroOrderHold;
 
@@ -14,14 +15,13 @@ impl<D: Deck> Landing<D> {
     /// the period by halving it.
     ///
     /// # Errors
-    /// [`LandingError`]; `Invalid` where the period \[s\] is not, `Sensor` where the sensor gives NaN or an infinite
-    /// value.
+    /// [`Error`]; of the period \[s\] where it is none; `NotFinite` where the sensor gives NaN or an infinite value.
     pub fn simulate_sampled(
         &self,
         state: State<[f64; 6]>,
         period: f64,
         sensor: impl FnMut(f64, &State<[f64; 6]>) -> State<[f64; 6]>,
-    ) -> Result<Touchdown, LandingError> {
+    ) -> Result<Touchdown, Error> {
         self.simulate_in_wind(state, period, sensor, |_, _| self.wind)
     }
 
@@ -29,20 +29,20 @@ impl<D: Deck> Landing<D> {
     /// and held, as the rotor speeds are.
     ///
     /// # Errors
-    /// As [`simulate_sampled`](Self::simulate_sampled), and `Wind` where the wind is NaN or infinite.
+    /// As [`simulate_sampled`](Self::simulate_sampled), and `NotFinite` where the wind is NaN or infinite.
     pub fn simulate_in_wind(
         &self,
         state: State<[f64; 6]>,
         period: f64,
         mut sensor: impl FnMut(f64, &State<[f64; 6]>) -> State<[f64; 6]>,
         mut wind: impl FnMut(f64, &State<[f64; 6]>) -> [f64; 3],
-    ) -> Result<Touchdown, LandingError> {
+    ) -> Result<Touchdown, Error> {
         self.check(&state, period)?;
         let mut way = Way::new();
         let hold = |t: f64, state: &State<[f64; 6]>| {
             let seen = sensor(t, state);
             if !seen.is_finite() {
-                return Err(LandingError::Sensor { time: t });
+                return Err(Failure::NotFinite("what a sensor gives").at_time(t));
             }
             attitude_told(state, t)?;
             let deck = finite_deck(self.deck.at(t), t)?;
@@ -50,9 +50,9 @@ impl<D: Deck> Landing<D> {
             way.hold(t, state, &command, &deck);
             let wind = wind(t, state);
             if wind.iter().any(|speed| !speed.is_finite()) {
-                return Err(LandingError::Wind { time: t });
+                return Err(Failure::NotFinite("the wind").at_time(t));
             }
-            Ok::<_, LandingError>((command.rotors.speed, wind))
+            Ok((command.rotors.speed, wind))
         };
         let run = ZeroOrderHold {
             period,

@@ -19,6 +19,7 @@ mod ending;
 use core::cell::Cell;
 use core::ops::ControlFlow;
 
+use mbs_models::Error;
 use mbs_models::check::{Invalid, finite, not_negative, positive, within};
 use mbs_models::quadrotor_quaternion::QuadrotorQuaternion;
 use mbs_runtime::{Dopri5, Event, IntegrationError, Integrator, Scalar, State, Step, constrained_solve, to_matrix};
@@ -26,7 +27,7 @@ use nalgebra::Vector3;
 
 use super::deck::DeckState;
 use super::gear::{Contact, Gear, RigidMotion};
-use super::landing::{LandingError, finite_deck, upright};
+use super::landing::{HEIGHT, finite_deck, upright};
 pub use carrier::{Carried, Carrier, Load, Planned};
 use ending::Watch;
 pub use ending::{Ending, Settled, Still};
@@ -167,21 +168,19 @@ impl Standing {
     /// the end.
     ///
     /// # Errors
-    /// [`LandingError`]: `Invalid`, `NotAbove` where the mass centre is not over the deck, `Deck`, `Overturned`,
+    /// [`Error`]: `Invalid`, `NotAbove` where the mass centre is not over the deck, `Deck`, `Overturned`,
     /// `Platform`, `Integration`.
     pub fn simulate<C: Carrier>(
         &self,
         carrier: &C,
         start: &Start,
         mut observer: impl FnMut(&Moment),
-    ) -> Result<Settled, LandingError> {
+    ) -> Result<Settled, Error> {
         self.check(start)?;
         let deck = upright(finite_deck(carrier.deck(start.time, &start.platform), start.time)?, start.time)?;
         let [x, y, z, ..] = start.vehicle.q;
         let height = deck.height(&[x, y, z]);
-        if !(height > 0.0 && height.is_finite()) {
-            return Err(LandingError::NotAbove { height });
-        }
+        positive(HEIGHT, height)?;
         let joined = |v: &[f64; 7], p: &[f64; 6]| {
             core::array::from_fn(|i| if i < 7 { v[i] } else { p.get(i - 7).copied().unwrap_or(0.0) })
         };
@@ -236,7 +235,7 @@ impl Standing {
             while start.time + next as f64 * SAMPLING <= step.time() {
                 let t = start.time + next as f64 * SAMPLING;
                 if let Err(error) = step.interpolate(t, &mut sample) {
-                    failed.set(Some(LandingError::Integration(error)));
+                    failed.set(Some(Error::from(error)));
                     return ControlFlow::Break(step.time());
                 }
                 let now = moment(t, &sample);
@@ -267,7 +266,7 @@ impl Standing {
         Ok(watch.settled(&last, &self.vehicle, &self.gear, touched.get(), [touches, rebounds], tipped))
     }
 
-    fn check(&self, start: &Start) -> Result<(), LandingError> {
+    fn check(&self, start: &Start) -> Result<(), Invalid> {
         self.gear.check()?;
         finite("wind", self.wind)?;
         not_negative("run_down", self.run_down)?;
@@ -284,8 +283,7 @@ impl Standing {
         not_negative("start.rotor_speed", start.rotor_speed)?;
         let [.., a, b, c, d] = start.vehicle.q;
         let square = a * a + b * b + c * c + d * d;
-        let unit: Result<(), Invalid> = within("start.vehicle quaternion's square", square, [1.0 - 1e-6, 1.0 + 1e-6]);
-        Ok(unit?)
+        within("start.vehicle quaternion's square", square, [1.0 - 1e-6, 1.0 + 1e-6])
     }
 
     fn moment<C: Carrier>(&self, carrier: &C, t: f64, all: &All) -> Moment {
@@ -307,7 +305,7 @@ impl Standing {
         touched: Option<f64>,
         t: f64,
         all: &All,
-    ) -> Result<[f64; SIZE], LandingError> {
+    ) -> Result<[f64; SIZE], Error> {
         let (State { q, qd }, platform) = parted(all);
         let deck = finite_deck(carrier.deck(t, &platform), t)?;
         let twist = twist(&self.vehicle, &State::new(q, qd));
@@ -333,8 +331,7 @@ impl Standing {
         let (own, _) = constrained_solve(vehicle.mass_matrix(&air, &q), rows, right, target);
 
         let load = Load { force: -contact.force, moment: contact.deck_moment };
-        let (carried, power) =
-            carrier.carry(t, &platform, &deck, &load).map_err(|error| LandingError::Platform { time: t, error })?;
+        let (carried, power) = carrier.carry(t, &platform, &deck, &load).map_err(|error| error.or_at_time(t))?;
         let power = power + driven.iter().zip(&qd).map(|(force, rate)| force * rate).sum::<f64>();
         let mut found = [0.0; SIZE];
         found[..7].copy_from_slice(&own);

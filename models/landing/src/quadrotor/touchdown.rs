@@ -1,11 +1,17 @@
 //! How a landing ended, and what is gathered on the way to it.
 
+use mbs_models::Error;
+use mbs_models::check::Must;
 use mbs_runtime::{Scalar, State};
 
 use super::backstepping::{Command, nearest_turn};
 use super::deck::{DeckState, Relative};
-use super::landing::{LandingError, attitude_told, finite_deck, upright};
+use super::landing::{attitude_told, finite_deck, upright};
 use super::mixer::RotorSpeeds;
+
+/// What is too much where the vehicle leaves the deck when it is to reach it \[m/s\]: the period does not resolve the
+/// motion, or the velocity of the deck is not the rate of its position.
+pub const LEAVING: &str = "velocity away from the deck at the touchdown";
 
 /// How a landing ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +107,7 @@ impl Way {
         time: f64,
         state: State<[f64; 6]>,
         deck: DeckState,
-    ) -> Result<Touchdown, LandingError> {
+    ) -> Result<Touchdown, Error> {
         let deck = upright(finite_deck(deck, time)?, time)?;
         attitude_told(&state, time)?;
         self.see(time, &state, &deck);
@@ -109,9 +115,7 @@ impl Way {
         let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
         let relative = deck.relative(&state.q, &state.qd);
         let Relative { offset: [x, y, _], velocity: [xd, yd, zd], .. } = relative;
-        if zd > ROUNDING {
-            return Err(LandingError::Unresolved { time, relative_velocity: zd });
-        }
+        Must::BeAtMost(ROUNDING).check(LEAVING, zd).map_err(|error| error.at_time(time))?;
         Ok(Touchdown {
             time,
             relative_velocity: zd,

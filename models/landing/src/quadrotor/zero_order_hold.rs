@@ -1,8 +1,7 @@
 //! A simulation under controllers that act once a period and hold what they ask for in between.
 
+use mbs_models::{Error, Failure};
 use mbs_runtime::{IntegrationError, Rk4Stepper, State};
-
-use super::landing::LandingError;
 
 /// How often the time of the touchdown is halved: to less than the resolution of the clock.
 const HALVINGS: usize = 50;
@@ -23,12 +22,12 @@ pub(super) struct ZeroOrderHold<Hold, Accelerations, Height> {
 
 impl<Hold, Accelerations, Height> ZeroOrderHold<Hold, Accelerations, Height> {
     /// When the height is zero, and the state then.
-    pub(super) fn until_touchdown<const N: usize, H, E: From<LandingError>>(
+    pub(super) fn until_touchdown<const N: usize, H>(
         self,
         mut state: State<[f64; N]>,
-    ) -> Result<(f64, State<[f64; N]>), E>
+    ) -> Result<(f64, State<[f64; N]>), Error>
     where
-        Hold: FnMut(f64, &State<[f64; N]>) -> Result<H, E>,
+        Hold: FnMut(f64, &State<[f64; N]>) -> Result<H, Error>,
         Accelerations: Fn(&H, f64, &[f64; N], &[f64; N]) -> [f64; N],
         Height: Fn(f64, &State<[f64; N]>) -> f64,
     {
@@ -38,7 +37,7 @@ impl<Hold, Accelerations, Height> ZeroOrderHold<Hold, Accelerations, Height> {
             let t = i as f64 * period;
             let held = hold(t, &state)?;
             if t >= t_end {
-                return Err(LandingError::NoTouchdown { time: t, height: height(t, &state) }.into());
+                return Err(Failure::NoContact { distance: height(t, &state) }.at_time(t));
             }
             let mut step = |h: f64| {
                 let mut end = state;
@@ -46,7 +45,7 @@ impl<Hold, Accelerations, Height> ZeroOrderHold<Hold, Accelerations, Height> {
                     *qdd = accelerations(&held, t, q, qd);
                 };
                 let moved = stepper.step(right, t, h, &mut end).is_ok() && end.is_finite();
-                moved.then_some(end).ok_or(LandingError::Integration(IntegrationError::NonFiniteState { time: t }))
+                moved.then_some(end).ok_or(IntegrationError::NonFiniteState { time: t })
             };
             let end = step(period)?;
             let after = height(t + period, &end);

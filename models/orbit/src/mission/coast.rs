@@ -16,10 +16,11 @@
 
 use core::ops::ControlFlow;
 
-use mbs_runtime::{Dop853, IntegrationError, Integrator, Scalar, State};
+use mbs_models::Error;
+use mbs_runtime::{Dop853, Integrator, Scalar, State};
 
-use super::super::kepler::{KeplerError, propagate};
-use super::super::lvlh::{Frame, FrameError, RelativeMotion, RelativeMotionError, relative_motion};
+use super::super::kepler::propagate;
+use super::super::lvlh::{Frame, RelativeMotion, relative_motion};
 use super::super::vector::{StateVector, Vector, dot, norm, plus, scaled};
 
 /// What attracts.
@@ -31,37 +32,14 @@ pub struct Attraction {
     pub station: f64,
 }
 
-/// Why a coast ended early.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum CoastError {
-    /// The station or the vehicle was not propagated.
-    #[error(transparent)]
-    Kepler(#[from] KeplerError),
-    /// The station has no frame.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// The vehicle was not integrated: it meets the point that the station is taken for, say.
-    #[error(transparent)]
-    Integration(IntegrationError),
-}
-
-impl From<RelativeMotionError> for CoastError {
-    fn from(error: RelativeMotionError) -> Self {
-        match error {
-            RelativeMotionError::Frame(error) => CoastError::Frame(error),
-            RelativeMotionError::Kepler(error) => CoastError::Kepler(error),
-        }
-    }
-}
-
 impl Attraction {
     /// The motion after a time, in the station's frames.
     ///
     /// # Errors
-    /// [`CoastError`].
-    pub fn coast(&self, motion: &RelativeMotion, time: f64) -> Result<RelativeMotion, CoastError> {
+    /// [`Error`].
+    pub fn coast(&self, motion: &RelativeMotion, time: f64) -> Result<RelativeMotion, Error> {
         if self.station == 0.0 {
-            return Ok(relative_motion(self.centre, &motion.station, &motion.relative, time)?);
+            return relative_motion(self.centre, &motion.station, &motion.relative, time);
         }
         let mut state = State::from(Frame::of(&motion.station)?.turned_out(&motion.relative));
         let station = |t: f64| propagate(self.centre, &motion.station, t);
@@ -69,9 +47,7 @@ impl Attraction {
             // What is not a number ends the integration.
             *result = station(t).map_or([f64::NAN; 3], |at| self.acceleration(&at.state.position, position));
         };
-        Dop853::new(1e-13, 1e-14)
-            .integrate(acceleration, 0.0, time, &mut state, |_| ControlFlow::Continue(()))
-            .map_err(CoastError::Integration)?;
+        Dop853::new(1e-13, 1e-14).integrate(acceleration, 0.0, time, &mut state, |_| ControlFlow::Continue(()))?;
         let end = station(time)?.state;
         let relative = Frame::of(&end)?.turned_in(&StateVector::from(state));
         Ok(RelativeMotion { station: end, relative })

@@ -8,12 +8,14 @@ use super::super::lambert::{self, Route};
 use super::super::lvlh::{Frame, RelativeMotion};
 use super::super::vector::{StateVector, Vector, dot, minus, norm, plus, scaled};
 use super::super::yamanaka_ankersen;
-use super::error::MissionError;
 use super::glideslope::Glideslope;
 use super::phasing::{Phasing, Plan};
 use super::safety::{Zone, Zones};
 use super::{Burn, LinearModel, Mission, Moment, Phase, PhaseReport, Report};
+use mbs_models::{Error, Failure};
 
+/// What there is not where no plan waits as little and stays as high as it is to.
+const NO_PHASING: &str = "plan of phasing within the longest wait and above the lowest altitude";
 /// How often the way is looked at far from the sphere \[s\].
 const SPARSE: f64 = 20.0;
 /// How often the way is looked at near to the sphere, at most \[s\].
@@ -25,7 +27,7 @@ pub(super) fn fly(
     mission: &Mission,
     thrust: impl FnMut(&Burn) -> Vector,
     observe: impl FnMut(&Moment),
-) -> Result<Report, MissionError> {
+) -> Result<Report, Error> {
     let warnings = mission.warnings()?;
     let relative = Frame::of(&mission.station)?.to_relative(&mission.vehicle);
     let mut flight = Flight {
@@ -85,7 +87,7 @@ struct Flight<'a, T, O> {
 
 impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
     /// Up to a velocity that stays behind the station.
-    fn phasing(&mut self) -> Result<Plan, MissionError> {
+    fn phasing(&mut self) -> Result<Plan, Error> {
         let mission = self.mission;
         let phasing = Phasing {
             mu: mission.attraction.centre,
@@ -96,10 +98,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
             lowest: mission.surface + mission.lowest_altitude,
             tolerance: mission.phasing_tolerance,
         };
-        let plan = phasing.plan()?.ok_or(MissionError::NoPhasing {
-            longest_wait: mission.longest_wait,
-            lowest_altitude: mission.lowest_altitude,
-        })?;
+        let plan = phasing.plan()?.ok_or(Failure::Missing(NO_PHASING))?;
         self.coast(plan.wait)?;
         self.burn_to(&plan.departure)?;
         let arrival = plan.wait + plan.duration;
@@ -110,7 +109,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
             let here = self.inertial()?;
             let rest = arrival - self.time;
             let arc = lambert::arc(phasing.mu, &here.position, &aim.position, rest, &route)
-                .map_err(|error| MissionError::Lambert { time: self.time, error })?;
+                .map_err(|error| error.or_at_time(self.time))?;
             if norm(&minus(&arc.departure, &here.velocity)) >= mission.smallest_correction {
                 self.burn_to(&arc.departure)?;
             }
@@ -121,7 +120,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
     }
 
     /// To a place in a time, with corrections.
-    fn leg(&mut self, to: &Vector, duration: f64) -> Result<(), MissionError> {
+    fn leg(&mut self, to: &Vector, duration: f64) -> Result<(), Error> {
         let end = self.time + duration;
         self.aim_at(to, duration, 0.0)?;
         self.phases[self.phase as usize].drift_clearance = Some(self.drift_clearance()?);
@@ -134,7 +133,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
 
     /// Along the corridor: `pulses` pulses of a slope that ends `before` the port, of which some are flown to their
     /// end.
-    fn pulses(&mut self, slope: &Glideslope, before: f64, pulses: u32, coasted: u32) -> Result<(), MissionError> {
+    fn pulses(&mut self, slope: &Glideslope, before: f64, pulses: u32, coasted: u32) -> Result<(), Error> {
         let start = self.time;
         let interval = slope.duration() / f64::from(pulses);
         for k in 1..=pulses {
@@ -151,7 +150,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
     }
 
     /// After the last pulse: to where the vehicle touches the plane of the port.
-    fn contact(&mut self, slope: &Glideslope) -> Result<StateVector, MissionError> {
+    fn contact(&mut self, slope: &Glideslope) -> Result<StateVector, Error> {
         let interval = slope.duration() / f64::from(self.mission.docking_pulses);
         let port = self.zones.port;
         let to_go = |zones: &Zones, motion: &RelativeMotion| zones.from_port(&motion.relative.position).0;
@@ -167,7 +166,7 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
             self.coast(step)?;
             left -= 1;
             if left == 0 {
-                return Err(MissionError::NoContact { time: self.time, distance: to_go(&self.zones, &self.motion) });
+                return Err(Failure::NoContact { distance: to_go(&self.zones, &self.motion) }.at_time(self.time));
             }
         }
         let (mut low, mut high) = (0.0, step);
@@ -183,22 +182,22 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         if distance <= self.zones.keep_out.max(self.mission.port_distance) {
             Ok(StateVector::new(beside, velocity))
         } else {
-            Err(MissionError::Missed { time: self.time, distance })
+            Err(Failure::Missed { distance }.at_time(self.time))
         }
     }
 
     /// A burn that leads to a place after a time, by the linear model; left out where it is smaller than `smallest`.
-    fn aim_at(&mut self, to: &Vector, time: f64, smallest: f64) -> Result<(), MissionError> {
+    fn aim_at(&mut self, to: &Vector, time: f64, smallest: f64) -> Result<(), Error> {
         let RelativeMotion { station, relative } = self.motion;
         let Transfer { departure, .. } = match self.mission.model {
             LinearModel::ClohessyWiltshire => {
                 let n = Frame::of(&station)?.rate();
                 clohessy_wiltshire::transfer(n, &relative.position, to, time)
-                    .map_err(|error| MissionError::Targeting { time: self.time, error })?
+                    .map_err(|error| error.or_at_time(self.time))?
             }
             LinearModel::YamanakaAnkersen => {
                 yamanaka_ankersen::transfer(self.mission.attraction.centre, &station, &relative.position, to, time)
-                    .map_err(|error| MissionError::Transition { time: self.time, error })?
+                    .map_err(|error| error.or_at_time(self.time))?
             }
         };
         let delta_v = minus(&departure, &relative.velocity);
@@ -206,18 +205,18 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
     }
 
     /// To an inertial velocity.
-    fn burn_to(&mut self, velocity: &Vector) -> Result<(), MissionError> {
+    fn burn_to(&mut self, velocity: &Vector) -> Result<(), Error> {
         let change = minus(velocity, &self.inertial()?.velocity);
         let frame = Frame::of(&self.motion.station)?;
         let delta_v = core::array::from_fn(|i| dot(&frame.axes()[i], &change));
         self.burn(delta_v)
     }
 
-    fn burn(&mut self, delta_v: Vector) -> Result<(), MissionError> {
+    fn burn(&mut self, delta_v: Vector) -> Result<(), Error> {
         let executed = (self.thrust)(&Burn { time: self.time, phase: self.phase, delta_v });
         let size = norm(&executed);
         if !size.is_finite() {
-            return Err(MissionError::Thrust { time: self.time });
+            return Err(Failure::NotFinite("what the thrusters give").at_time(self.time));
         }
         self.motion.relative.velocity = plus(&self.motion.relative.velocity, &executed);
         let report = &mut self.phases[self.phase as usize];
@@ -226,17 +225,17 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
         Ok(())
     }
 
-    fn inertial(&self) -> Result<StateVector, MissionError> {
+    fn inertial(&self) -> Result<StateVector, Error> {
         Ok(Frame::of(&self.motion.station)?.to_inertial(&self.motion.relative))
     }
 
-    fn after(&self, time: f64) -> Result<RelativeMotion, MissionError> {
+    fn after(&self, time: f64) -> Result<RelativeMotion, Error> {
         let coast = self.mission.attraction.coast(&self.motion, time);
-        coast.map_err(|error| MissionError::Coast { time: self.time, error })
+        coast.map_err(|error| error.or_at_time(self.time))
     }
 
     /// Without burns for a time, looked at on the way.
-    fn coast(&mut self, duration: f64) -> Result<(), MissionError> {
+    fn coast(&mut self, duration: f64) -> Result<(), Error> {
         let end = self.time + duration;
         while self.time < end {
             let step = self.looking_step();
@@ -279,9 +278,9 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
     }
 
     /// How near the vehicle comes within one revolution from now if nothing more is done \[m\].
-    fn drift_clearance(&self) -> Result<f64, MissionError> {
+    fn drift_clearance(&self) -> Result<f64, Error> {
         let elements = Elements::from_state(self.mission.attraction.centre, &self.motion.station);
-        let revolution = elements.map_err(MissionError::Orbit)?.period(self.mission.attraction.centre);
+        let revolution = elements?.period(self.mission.attraction.centre);
         let mut nearest = norm(&self.motion.relative.position);
         // Of an open orbit as long as one would take on a circle.
         let r = norm(&self.motion.station.position);
@@ -292,11 +291,8 @@ impl<T: FnMut(&Burn) -> Vector, O: FnMut(&Moment)> Flight<'_, T, O> {
             let StateVector { position, velocity } = &motion.relative;
             // A hundredth of the way to the station: so accurate is the nearest distance.
             let step = (0.01 * norm(position) / norm(velocity)).clamp(DENSE, SPARSE);
-            motion = self
-                .mission
-                .attraction
-                .coast(&motion, step)
-                .map_err(|error| MissionError::Coast { time: self.time + gone, error })?;
+            motion =
+                self.mission.attraction.coast(&motion, step).map_err(|error| error.or_at_time(self.time + gone))?;
             gone += step;
             nearest = nearest.min(norm(&motion.relative.position));
         }

@@ -12,7 +12,7 @@
 //! Hablani, Tapper, Dana-Bashian, *Guidance and relative navigation for autonomous rendezvous in a circular orbit*,
 //! Journal of Guidance, Control, and Dynamics 25(3), 2002.
 
-use mbs_models::check::{self, Invalid};
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::Scalar;
 
 /// Distance to go, and speeds at both ends.
@@ -23,30 +23,19 @@ pub struct Glideslope {
     last_speed: f64,
 }
 
-/// Why there is no such slope.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum GlideslopeError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// Its rate or its duration are too large or too small for `f64`.
-    #[error("the approach leaves the range of floating-point numbers")]
-    OutOfRange,
-}
-
 impl Glideslope {
     /// Over a distance ρ₀ \[m\], from a speed −ρ̇₀ to a speed −ρ̇_T, both positive \[m/s\].
     ///
     /// # Errors
-    /// [`GlideslopeError`].
-    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, GlideslopeError> {
+    /// [`Error`].
+    pub fn new(distance: f64, first_speed: f64, last_speed: f64) -> Result<Self, Error> {
         check::positive("distance", distance)?;
         check::positive("first_speed", first_speed)?;
         check::positive("last_speed", last_speed)?;
         let slope = Self { distance, first_speed, last_speed };
         let (rate, duration) = (slope.rate(), slope.duration());
         let is_in_range = rate.is_finite() && duration > 0.0 && duration.is_finite();
-        if is_in_range { Ok(slope) } else { Err(GlideslopeError::OutOfRange) }
+        if is_in_range { Ok(slope) } else { Err(Failure::OutOfRange.into()) }
     }
 
     /// `a`, negative where it slows down \[1/s\].

@@ -9,11 +9,12 @@
 
 use core::f64::consts::PI;
 
+use mbs_models::Error;
 use mbs_runtime::Scalar;
 
 use super::super::elements::Elements;
 use super::super::integrals::angular_momentum;
-use super::super::kepler::{KeplerError, propagate};
+use super::super::kepler::propagate;
 use super::super::lambert::{self, Route};
 use super::super::vector::{StateVector, Vector, cross, dot, minus, norm, scaled};
 
@@ -74,16 +75,16 @@ impl Phasing {
     /// The point behind the station at a time.
     ///
     /// # Errors
-    /// [`KeplerError`].
-    pub fn aim(&self, time: f64) -> Result<StateVector, KeplerError> {
+    /// [`Error`].
+    pub fn aim(&self, time: f64) -> Result<StateVector, Error> {
         Ok(propagate(self.mu, &self.station, time - self.lag)?.state)
     }
 
     /// The cheaper plan of those that arrive; none where neither does.
     ///
     /// # Errors
-    /// [`KeplerError`] of the station or the vehicle.
-    pub fn plan(&self) -> Result<Option<Plan>, KeplerError> {
+    /// [`Error`] of the station or the vehicle.
+    pub fn plan(&self) -> Result<Option<Plan>, Error> {
         let [two_impulse, lambert] = [self.two_impulse()?, self.lambert()?];
         let arrives = |plan: &Plan| plan.miss <= self.tolerance && plan.nearest >= self.lowest;
         let better = |a: Plan, b: Plan| if b.delta_v < a.delta_v { b } else { a };
@@ -98,10 +99,10 @@ impl Phasing {
     /// The first burn is horizontal, in the plane of the vehicle's own motion.
     ///
     /// # Errors
-    /// [`KeplerError`].
-    pub fn two_impulse(&self) -> Result<Option<Plan>, KeplerError> {
+    /// [`Error`].
+    pub fn two_impulse(&self) -> Result<Option<Plan>, Error> {
         // The angle by which the point will be ahead of the end of the ellipse.
-        let lead = |wait: f64| -> Result<(f64, f64), KeplerError> {
+        let lead = |wait: f64| -> Result<(f64, f64), Error> {
             let vehicle = propagate(self.mu, &self.vehicle, wait)?.state;
             let r = norm(&vehicle.position);
             // The distance of the point depends on when it is met.
@@ -135,7 +136,7 @@ impl Phasing {
         Ok(None)
     }
 
-    fn half_ellipse(&self, wait: f64, duration: f64) -> Result<Plan, KeplerError> {
+    fn half_ellipse(&self, wait: f64, duration: f64) -> Result<Plan, Error> {
         let vehicle = propagate(self.mu, &self.vehicle, wait)?.state;
         let aim = self.aim(wait + duration)?;
         let (r, other) = (norm(&vehicle.position), norm(&aim.position));
@@ -157,13 +158,13 @@ impl Phasing {
     /// The cheapest of Lambert's arcs: of a grid, then by halved steps about the best so far.
     ///
     /// # Errors
-    /// [`KeplerError`].
-    pub fn lambert(&self) -> Result<Option<Plan>, KeplerError> {
+    /// [`Error`].
+    pub fn lambert(&self) -> Result<Option<Plan>, Error> {
         let r = norm(&self.station.position);
         let revolution = 2.0 * PI * Scalar::sqrt(r / self.mu) * r;
         let (mut wait_step, mut duration_step) = (self.longest_wait / DEPARTURES as f64, revolution / DURATIONS as f64);
         let mut best: Option<Plan> = None;
-        let keep = |best: &mut Option<Plan>, wait: f64, duration: f64| -> Result<(), KeplerError> {
+        let keep = |best: &mut Option<Plan>, wait: f64, duration: f64| -> Result<(), Error> {
             if (0.0..=self.longest_wait).contains(&wait)
                 && duration > 0.0
                 && let Some(plan) = self.arc(wait, duration)?
@@ -193,7 +194,7 @@ impl Phasing {
     }
 
     /// One arc, if it is there and does not come too near to the centre.
-    fn arc(&self, wait: f64, duration: f64) -> Result<Option<Plan>, KeplerError> {
+    fn arc(&self, wait: f64, duration: f64) -> Result<Option<Plan>, Error> {
         let vehicle = propagate(self.mu, &self.vehicle, wait)?.state;
         let aim = self.aim(wait + duration)?;
         let route = Route::prograde().about(angular_momentum(&self.station));

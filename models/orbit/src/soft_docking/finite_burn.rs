@@ -14,11 +14,11 @@
 use core::f64::consts::PI;
 use core::ops::ControlFlow;
 
-use mbs_models::check::{self, Invalid};
 use mbs_models::kepler::{Kepler, Params};
-use mbs_runtime::{Dop853, IntegrationError, Integrator, Scalar, State};
+use mbs_models::{Error, check};
+use mbs_runtime::{Dop853, Integrator, Scalar, State};
 
-use crate::kepler::{KeplerError, propagate};
+use crate::kepler::propagate;
 use crate::vector::{StateVector, Vector, cross, dot, minus, norm, scaled};
 
 /// What a main engine does.
@@ -39,20 +39,6 @@ pub struct Vehicle {
     pub mass: f64,
 }
 
-/// Why a burn was not flown.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum BurnError {
-    /// A number that this does not work with.
-    #[error(transparent)]
-    Invalid(#[from] Invalid),
-    /// The integrator gave up.
-    #[error(transparent)]
-    Integration(#[from] IntegrationError),
-    /// The coast between two burns.
-    #[error(transparent)]
-    Kepler(#[from] KeplerError),
-}
-
 impl Engine {
     /// How long a change of velocity takes: `m₀ c/F (1 − exp(−Δv/c))` \[s\].
     #[must_use]
@@ -70,8 +56,8 @@ impl Engine {
     /// Flies a change of velocity, an inertial vector; its place and time are those at the beginning of the burn.
     ///
     /// # Errors
-    /// [`BurnError`].
-    pub fn burn(&self, mu: f64, vehicle: &Vehicle, delta_v: &Vector) -> Result<(Vehicle, f64), BurnError> {
+    /// [`Error`].
+    pub fn burn(&self, mu: f64, vehicle: &Vehicle, delta_v: &Vector) -> Result<(Vehicle, f64), Error> {
         check::positive("thrust", self.thrust)?;
         check::positive("exhaust_velocity", self.exhaust_velocity)?;
         check::positive("mass", vehicle.mass)?;
@@ -110,8 +96,8 @@ impl Engine {
     /// along its direction.
     ///
     /// # Errors
-    /// [`BurnError`].
-    pub fn raise(&self, mu: f64, mass: f64, [from, to]: [f64; 2]) -> Result<Raise, BurnError> {
+    /// [`Error`].
+    pub fn raise(&self, mu: f64, mass: f64, [from, to]: [f64; 2]) -> Result<Raise, Error> {
         check::positive("mu", mu)?;
         check::positive("radii", [from, to])?;
         let speed = |radius: f64, axis: f64| Scalar::sqrt(mu * (2.0 / radius - 1.0 / axis));

@@ -15,13 +15,12 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check;
+use mbs_models::{Error, Failure, check};
 use mbs_runtime::{Event, State};
 
 use super::attitude::AttitudeControl;
 use super::bodies::{Body, Misalignment, Pair, conjugate, product, rate, roll_pitch_yaw, turned, turned_back};
 use super::docking_bodies::{DockingBodies, Params};
-use super::error::SoftDockingError;
 use super::jets::{JETS, JetSet, PerJet};
 use super::plume::{Panel, Plume};
 use super::ring::{Contact, Inputs, Latches, advance, meet};
@@ -172,8 +171,8 @@ impl SoftDocking {
     /// Flies it.
     ///
     /// # Errors
-    /// [`SoftDockingError`].
-    pub fn fly(&self, mut observe: impl FnMut(&Moment)) -> Result<Report, SoftDockingError> {
+    /// [`Error`].
+    pub fn fly(&self, mut observe: impl FnMut(&Moment)) -> Result<Report, Error> {
         self.check()?;
         let slope = Glideslope::new(self.start.distance, self.speeds[0], self.speeds[1])?;
         let mut params = self.params;
@@ -185,7 +184,7 @@ impl SoftDocking {
             let pair = Pair::from_state(&params, &state);
             let ports = pair.misalignment(&params);
             if t > self.longest {
-                return Err(SoftDockingError::NoContact { time: t, distance: -ports.place[0] });
+                return Err(Failure::NoContact { distance: -ports.place[0] }.at_time(t));
             }
             let wanted = self.reference(&slope, t);
             let thrusts = self.jets.allocate(&self.wrench(&params, &pair, &ports, &wanted));
@@ -205,10 +204,7 @@ impl SoftDocking {
                 energy,
             });
             params.chaser_mass = self.params.chaser_mass - sums.impulse / self.jets.exhaust_velocity;
-            // NaN is no mass either.
-            if params.chaser_mass.is_nan() || params.chaser_mass <= 0.0 {
-                return Err(SoftDockingError::NoMass { time: t });
-            }
+            check::positive("chaser_mass", params.chaser_mass).map_err(|error| error.at_time(t))?;
             if let Some(time) = touched {
                 break time;
             }
@@ -282,7 +278,7 @@ impl SoftDocking {
         start: f64,
         open: &PerJet,
         sums: &mut Sums,
-    ) -> Result<Option<f64>, SoftDockingError> {
+    ) -> Result<Option<f64>, Error> {
         let params = bodies.params();
         sums.pulses += open.iter().map(|time| u32::from(*time > 0.0)).sum::<u32>();
         let mut since = 0.0;
@@ -331,7 +327,7 @@ impl SoftDocking {
         core::array::from_fn(|i| sum[i / 3][i % 3])
     }
 
-    fn check(&self) -> Result<(), SoftDockingError> {
+    fn check(&self) -> Result<(), Error> {
         check::positive("start.distance", self.start.distance)?;
         check::finite("start.aside", self.start.aside)?;
         check::finite("start.angles", self.start.angles)?;

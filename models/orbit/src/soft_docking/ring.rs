@@ -11,12 +11,12 @@
 use core::f64::consts::PI;
 use core::ops::ControlFlow;
 
+use mbs_models::Error;
 use mbs_models::check::{self, Invalid};
 use mbs_runtime::{Dop853, Event, IntegrationError, Integrator, Projected, Projector, Scalar, State, Summary};
 
 use super::bodies::{Misalignment, Pair};
 use super::docking_bodies::{DockingBodies, Params};
-use super::error::SoftDockingError;
 use crate::vector::{Vector, minus, norm};
 
 /// Forces and torques: on the chaser, then on the station, each in its own axes.
@@ -85,7 +85,7 @@ impl Latches {
             ("latches.turning", self.turning),
             ("latches.ring", self.ring),
         ];
-        limits.into_iter().try_for_each(|(parameter, value)| check::not_negative(parameter, value))
+        check::each(check::not_negative, limits)
     }
 }
 
@@ -166,14 +166,14 @@ pub struct Pressing {
 /// `params` say nothing of latches: they are open at the beginning. `state` is afterwards the one at the end.
 ///
 /// # Errors
-/// [`SoftDockingError`]; NaN in the state is one of the integrator's.
+/// [`Error`]; NaN in the state is one of the integrator's.
 pub fn meet(
     params: &Params<f64>,
     latches: &Latches,
     state: &mut State<[f64; 14]>,
     [time, end]: [f64; 2],
     mut observe: impl FnMut(&Pressing),
-) -> Result<Contact, SoftDockingError> {
+) -> Result<Contact, Error> {
     latches.check()?;
     let mut bodies = DockingBodies::try_new(Params { latched: 0.0, ..*params })?;
     let ports = |state: &State<[f64; 14]>| Pair::from_state(params, state).misalignment(params);
@@ -239,7 +239,7 @@ pub fn meet(
 }
 
 /// Of the ring on the chaser: what of its acceleration goes with the ring \[N\].
-fn ring_force(bodies: &DockingBodies<f64>, state: &State<[f64; 14]>) -> Result<f64, SoftDockingError> {
+fn ring_force(bodies: &DockingBodies<f64>, state: &State<[f64; 14]>) -> Result<f64, Error> {
     let free = DockingBodies::try_new(Params {
         axial_stiffness: 0.0,
         lateral_stiffness: 0.0,

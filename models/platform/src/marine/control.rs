@@ -8,8 +8,8 @@
 use mbs_models::marine_platform::{MarinePlatform, Params};
 use mbs_runtime::control::{self, StateSpace};
 
+use super::Four;
 use super::thrusters::Thrust;
-use super::{Four, MarineError};
 
 /// Coordinates and rates.
 pub const STATES: usize = 8;
@@ -65,8 +65,8 @@ impl Regulator {
     /// Of a platform with these parameters.
     ///
     /// # Errors
-    /// [`MarineError::Control`].
-    pub fn new(params: &Params, weights: &Weights) -> Result<Self, MarineError> {
+    /// [`ControlError`](control::ControlError).
+    pub fn new(params: &Params, weights: &Weights) -> Result<Self, control::ControlError> {
         let plant = linearized(params);
         let square = |deviation: f64| 1.0 / (deviation * deviation);
         let q = diagonal(|i| square(if i < 4 { weights.position[i] } else { weights.rate[i - 4] }));

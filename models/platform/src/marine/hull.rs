@@ -11,11 +11,11 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{not_negative, positive};
+use mbs_models::check::{Invalid, not_negative, positive};
 use mbs_models::marine_platform::Params;
 use mbs_runtime::Scalar;
 
-use super::{Four, MarineError};
+use super::Four;
 
 /// What follows from the parameters of a platform that floats upright.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,9 +38,9 @@ impl Hull {
     /// Of a platform with these parameters.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where a mass, an inertia, a length or a stiffness is not positive or a damping
-    /// negative; [`MarineError::Unstable`] where it does not float upright with its columns in the water.
-    pub fn new(params: &Params) -> Result<Self, MarineError> {
+    /// [`Invalid`] where a mass, an inertia, a length or a stiffness is not positive or a damping negative, and where
+    /// it does not float upright with its columns in the water: draught and metacentric heights are positive then.
+    pub fn new(params: &Params) -> Result<Self, Invalid> {
         let p = *params;
         positive("m", p.m)?;
         positive("inertias", p.inertias)?;
@@ -69,9 +69,8 @@ impl Hull {
         let metacentric_height =
             |place: f64| buoyancy + waterplane * (place * place + own) / displacement - p.mass_centre;
         let heights = [metacentric_height(p.column_place[1]), metacentric_height(p.column_place[0])];
-        if !(draught > 0.0 && heights.iter().all(|&height| height > 0.0)) {
-            return Err(MarineError::Unstable { draught, heights });
-        }
+        positive("draught of the columns afloat", draught)?;
+        positive("metacentric height upright", heights)?;
         Ok(Self { params: p, waterplane, submerged, displacement, draught, metacentric_heights: heights })
     }
 

@@ -14,10 +14,10 @@
 
 use core::f64::consts::{FRAC_PI_2, PI};
 
-use mbs_models::check::{Must, finite};
+use mbs_models::check::{Invalid, finite};
 use mbs_runtime::Scalar;
 
-use super::MarineError;
+use super::drawn;
 use super::spectrum::{GRAVITY, Jonswap};
 
 /// The highest frequency, in peak frequencies.
@@ -72,24 +72,15 @@ impl<const N: usize> Sea<N> {
     /// `uniform` gives random numbers from 0 to below 1; three of them make a wave. The same numbers make the same sea.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where the direction is not finite, a random number is out of its range, or N is zero.
+    /// [`Invalid`] where the direction is not finite, a random number is out of its range, or N is zero.
     pub fn new(
         spectrum: &Jonswap,
         direction: f64,
         spreading: Spreading,
-        mut uniform: impl FnMut() -> f64,
-    ) -> Result<Self, MarineError> {
+        uniform: impl FnMut() -> f64,
+    ) -> Result<Self, Invalid> {
         finite("direction of the waves", direction)?;
-        if N == 0 {
-            return Err(Must::BePositive.broken_by("number of waves", 0.0).into());
-        }
-        let mut drawn = [[0.0; 3]; N];
-        for number in drawn.iter_mut().flatten() {
-            *number = uniform();
-            if !(0.0..1.0).contains(number) {
-                return Err(Must::BeWithin([0.0, 1.0]).broken_by("random number", *number).into());
-            }
-        }
+        let drawn: [[f64; 3]; N] = drawn("number of waves", uniform)?;
         let amplitude = Scalar::sqrt(2.0 * spectrum.variance() / N as f64);
         let mut waves = drawn.map(|[_, beside, turn]| Wave {
             amplitude,

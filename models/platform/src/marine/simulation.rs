@@ -1,18 +1,22 @@
 //! The platform in a sea and a wind, with and without control.
 
+use mbs_models::Error;
 use mbs_models::check::{Must, finite, not_negative, positive, within};
 use mbs_models::marine_platform::{MarinePlatform, Params};
 use mbs_runtime::{IntegrationError, Rk4Stepper, State};
 
+use super::Four;
 use super::control::Regulator;
 use super::excitation::Excitation;
 use super::hull::Hull;
 use super::spectrum::GRAVITY;
 use super::thrusters::{Thrust, Thrusters};
 use super::wind::{Superstructure, Wind};
-use super::{Four, MarineError};
 use crate::Coordinates;
 
+/// What is out of its range where still water does not cut a column, by its number, between its ends \[m\]: there the
+/// hydrostatics hold.
+pub const DEPTH: &str = "depth of column";
 /// Length of a column above the water at rest \[m\].
 pub const FREEBOARD: f64 = 5.0;
 /// A run has at most this many steps.
@@ -67,8 +71,8 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
     /// Without control, with the thrusters and the superstructure that are assumed.
     ///
     /// # Errors
-    /// Those of [`Hull::new`]; [`MarineError::Invalid`] where g is not that of the waves, [`GRAVITY`].
-    pub fn new(params: &Params, excitation: Excitation<N>, wind: Wind<G>) -> Result<Self, MarineError> {
+    /// Those of [`Hull::new`]; [`Invalid`](mbs_models::check::Invalid) where g is not that of the waves, [`GRAVITY`].
+    pub fn new(params: &Params, excitation: Excitation<N>, wind: Wind<G>) -> Result<Self, Error> {
         within("g", params.g, [GRAVITY, GRAVITY])?;
         Ok(Self {
             model: MarinePlatform::new(*params),
@@ -93,14 +97,15 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
     /// `observer` sees every moment, the last one at or just after `end` \[s\].
     ///
     /// # Errors
-    /// [`MarineError`]; [`MarineError::OffTheColumns`] where the motion leaves what the hydrostatics are made for.
+    /// [`Error`]; [`Failure::Invalid`](mbs_models::Failure::Invalid) of [`DEPTH`] where the motion leaves what the
+    /// hydrostatics are made for.
     pub fn simulate(
         &self,
         mut state: State<[f64; 4]>,
         period: f64,
         end: f64,
         mut observer: impl FnMut(&Moment),
-    ) -> Result<(), MarineError> {
+    ) -> Result<(), Error> {
         self.check(&state, period, end)?;
         let mut thrust = [0.0; 6];
         let mut stepper = Rk4Stepper::new(&state);
@@ -131,16 +136,18 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
         core::array::from_fn(|i| if i < 6 { thrust[i] } else { sea[i - 6] + wind[i - 6] })
     }
 
-    fn on_the_columns(&self, q: &Four, time: f64) -> Result<(), MarineError> {
+    fn on_the_columns(&self, q: &Four, time: f64) -> Result<(), Error> {
         let (least, most) = (0.0, self.hull.draught + FREEBOARD);
         let depths = self.hull.depths(q);
         match depths.iter().position(|&depth| !(least < depth && depth < most)) {
-            Some(column) => Err(MarineError::OffTheColumns { time, column, depth: depths[column], least, most }),
+            Some(column) => {
+                Err(Must::BeWithin([least, most]).broken_by(DEPTH, depths[column]).of(column).at_time(time))
+            }
             None => Ok(()),
         }
     }
 
-    fn check(&self, state: &State<[f64; 4]>, period: f64, end: f64) -> Result<(), MarineError> {
+    fn check(&self, state: &State<[f64; 4]>, period: f64, end: f64) -> Result<(), Error> {
         finite("coordinates", state.q)?;
         finite("rates", state.qd)?;
         positive("period", period)?;
@@ -153,6 +160,7 @@ impl<const N: usize, const G: usize> AtSea<N, G> {
         not_negative("drag_coefficient", drag_coefficient)?;
         not_negative("air_density", air_density)?;
         finite("place", place)?;
-        self.thrusters.check()
+        self.thrusters.check()?;
+        Ok(())
     }
 }

@@ -14,10 +14,8 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{positive, within};
+use mbs_models::check::{Invalid, Must, positive, within};
 use mbs_runtime::Scalar;
-
-use super::MarineError;
 
 /// Acceleration of gravity that seas are reckoned with, assumed: the standard one \[m/s²\].
 pub const GRAVITY: f64 = 9.80665;
@@ -47,27 +45,24 @@ impl Jonswap {
     /// developed sea, Pierson and Moskowitz) to 7.
     ///
     /// ```
-    /// use mbs_platform::marine::MarineError;
     /// use mbs_platform::marine::spectrum::Jonswap;
     ///
     /// let sea = Jonswap::new(2.5, 10.0, 3.3).unwrap();
     /// assert_eq!(sea.variance(), 2.5 * 2.5 / 16.0);
-    /// assert!(matches!(Jonswap::new(6.0, 5.0, 3.3), Err(MarineError::TooSteep { .. })));
+    /// assert!(Jonswap::new(6.0, 5.0, 3.3).unwrap_err().to_string().contains("must be at most"));
     /// ```
     ///
     /// # Errors
-    /// [`MarineError::Invalid`], and [`MarineError::TooSteep`] where `2π Hs/(g Tp²)` is more than 1/15 (from 15 s on
+    /// [`Invalid`], also where `2π Hs/(g Tp²)` is more than 1/15 (from 15 s on
     /// 1/25, linear between 8 s and 15 s).
-    pub fn new(height: f64, period: f64, peakedness: f64) -> Result<Self, MarineError> {
+    pub fn new(height: f64, period: f64, peakedness: f64) -> Result<Self, Invalid> {
         positive("significant wave height", height)?;
         positive("peak period", period)?;
         within("peakedness", peakedness, [1.0, 7.0])?;
         let steepness = 2.0 * PI * height / (GRAVITY * period * period);
         let longer = ((period - 8.0) / 7.0).clamp(0.0, 1.0);
         let limit = (1.0 - longer) / 15.0 + longer / 25.0;
-        if steepness > limit {
-            return Err(MarineError::TooSteep { height, period, steepness, limit });
-        }
+        Must::BeAtMost(limit).check("steepness 2π Hs/(g Tp²) of the waves", steepness)?;
         let area = simpson(LONGEST, PANELS, |v| v * shape(v, peakedness));
         Ok(Self { height, period, peakedness, area })
     }

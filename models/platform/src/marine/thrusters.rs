@@ -1,8 +1,6 @@
 //! What the thrusters can do: four vertical ones in the pontoons and two lateral ones, each within a thrust and a rate.
 
-use mbs_models::check::positive;
-
-use super::MarineError;
+use mbs_models::check::{Invalid, positive};
 
 /// `(lift, lateral)`, as the mechanism has them \[N\].
 pub type Thrust = [f64; 6];
@@ -28,11 +26,10 @@ impl Thrusters {
     /// Whether there are such thrusters.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where a limit is not positive and finite.
-    pub fn check(&self) -> Result<(), MarineError> {
+    /// [`Invalid`] where a limit is not positive and finite.
+    pub fn check(&self) -> Result<(), Invalid> {
         positive("thrust", self.thrust)?;
-        positive("rate of thrust", self.rate)?;
-        Ok(())
+        positive("rate of thrust", self.rate)
     }
 
     /// The thrusts that come nearest to those asked for, a time after others \[s\].

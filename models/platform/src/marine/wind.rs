@@ -23,10 +23,10 @@
 
 use core::f64::consts::PI;
 
-use mbs_models::check::{Must, finite, not_negative};
+use mbs_models::check::{Invalid, finite, not_negative};
 use mbs_runtime::Scalar;
 
-use super::{Four, MarineError};
+use super::{Four, drawn};
 
 /// κ, the drag of the sea's surface.
 pub const SURFACE_DRAG: f64 = 0.0015;
@@ -73,21 +73,12 @@ impl<const N: usize> Wind<N> {
     /// gust. Without a mean it is calm.
     ///
     /// # Errors
-    /// [`MarineError::Invalid`] where the mean is negative, something is not finite, a random number is out of its
+    /// [`Invalid`] where the mean is negative, something is not finite, a random number is out of its
     /// range, or N is zero.
-    pub fn new(mean: f64, direction: f64, mut uniform: impl FnMut() -> f64) -> Result<Self, MarineError> {
+    pub fn new(mean: f64, direction: f64, uniform: impl FnMut() -> f64) -> Result<Self, Invalid> {
         not_negative("mean wind", mean)?;
         finite("direction of the wind", direction)?;
-        if N == 0 {
-            return Err(Must::BePositive.broken_by("number of gusts", 0.0).into());
-        }
-        let mut gusts = [[0.0; 2]; N];
-        for number in gusts.iter_mut().flatten() {
-            *number = uniform();
-            if !(0.0..1.0).contains(number) {
-                return Err(Must::BeWithin([0.0, 1.0]).broken_by("random number", *number).into());
-            }
-        }
+        let mut gusts: [[f64; 2]; N] = drawn("number of gusts", uniform)?;
         // Of a calm nothing is drawn: `amplitude` is zero.
         let fastest = if mean > 0.0 { LENGTH * FASTEST / mean } else { 0.0 };
         let counted = 1.0 - Scalar::powf(1.0 + fastest * fastest, -1.0 / 3.0);

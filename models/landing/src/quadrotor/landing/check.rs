@@ -2,10 +2,11 @@
 
 use core::f64::consts::FRAC_PI_2;
 
-use mbs_models::check::{Invalid, finite, positive, within};
+use mbs_models::check::{Invalid, Must, each, finite, positive, within};
+use mbs_models::{Error, Failure};
 use mbs_runtime::{Scalar, State};
 
-use super::{Controller, Landing, LandingError, MOST_MOMENTS};
+use super::{Controller, Landing, MOST_MOMENTS};
 use crate::quadrotor::backstepping::Backstepping;
 use crate::quadrotor::deck::{Deck, DeckState};
 use crate::quadrotor::lqr::Lqr;
@@ -14,7 +15,7 @@ use mbs_models::quadrotor_euler::Params;
 
 impl<D: Deck> Landing<D> {
     /// Whether this can be a landing, from this state, looked at once a period \[s\].
-    pub(in crate::quadrotor) fn check(&self, state: &State<[f64; 6]>, period: f64) -> Result<(), LandingError> {
+    pub(in crate::quadrotor) fn check(&self, state: &State<[f64; 6]>, period: f64) -> Result<(), Error> {
         let params = self.vehicle.params();
         positive("inertias", params.inertias)?;
         each(
@@ -51,41 +52,42 @@ impl<D: Deck> Landing<D> {
         finite("qd", state.qd)?;
         attitude_told(state, 0.0)?;
         self.controller.check()?;
-        if self.t_end / period > f64::from(MOST_MOMENTS) {
-            return Err(LandingError::TooManyMoments { t_end: self.t_end, period });
-        }
+        Must::BeAtMost(f64::from(MOST_MOMENTS)).check("number of moments", self.t_end / period)?;
         let deck = upright(finite_deck(self.deck.at(0.0), 0.0)?, 0.0)?;
         let height = self.clearance(&deck, &state.q);
         // Of finite numbers, but it may overflow.
-        if height > self.touchdown_height && height.is_finite() {
-            Ok(())
-        } else {
-            Err(LandingError::NotAbove { height })
-        }
+        finite(HEIGHT, height)?;
+        Must::BeMoreThan(self.touchdown_height).check(HEIGHT, height)?;
+        Ok(())
     }
 }
 
 /// The deck at a time, where it is one.
-pub(in crate::quadrotor) fn finite_deck(deck: DeckState, time: f64) -> Result<DeckState, LandingError> {
-    if deck.is_finite() { Ok(deck) } else { Err(LandingError::Deck { time }) }
+pub(in crate::quadrotor) fn finite_deck(deck: DeckState, time: f64) -> Result<DeckState, Error> {
+    if deck.is_finite() { Ok(deck) } else { Err(Failure::NotFinite("the deck").at_time(time)) }
 }
 
+/// What is too little where a vehicle or a flange begins at or below the height at which it has landed \[m\].
+pub const HEIGHT: &str = "height over the deck at the beginning";
+/// What is too little where the vehicle's pitch is within 1° of ±90° or beyond: its angles do not tell its attitude.
+pub const LEVEL: &str = "cosine of the pitch";
 /// Cosine of the pitch, 1° from ±90°.
 const LEAST_COSINE: f64 = 0.0175;
 
 /// Whether the angles tell the attitude: the pitch is not near ±90°, nor beyond.
-pub(in crate::quadrotor) fn attitude_told(state: &State<[f64; 6]>, time: f64) -> Result<(), LandingError> {
+pub(in crate::quadrotor) fn attitude_told(state: &State<[f64; 6]>, time: f64) -> Result<(), Error> {
     let pitch = state.q[4];
-    if Scalar::cos(pitch) > LEAST_COSINE { Ok(()) } else { Err(LandingError::Pitch { time, pitch }) }
+    let attitude = Must::BeMoreThan(LEAST_COSINE).check(LEVEL, Scalar::cos(pitch));
+    attitude.map_err(|error| error.at_time(time))
 }
 
 /// The least vertical component of the normal of a deck that is not turned over: that of a vertical one, rounded.
 const LEAST_UPWARD: f64 = 1e-12;
 
 /// The deck at a time, where its normal points up.
-pub(in crate::quadrotor) fn upright(deck: DeckState, time: f64) -> Result<DeckState, LandingError> {
-    let upward = deck.rotation[2][2];
-    if upward > LEAST_UPWARD { Ok(deck) } else { Err(LandingError::Overturned { time, upward }) }
+pub(in crate::quadrotor) fn upright(deck: DeckState, time: f64) -> Result<DeckState, Error> {
+    let upright = Must::BeMoreThan(LEAST_UPWARD).check("upward component of the deck's normal", deck.rotation[2][2]);
+    upright.map(|()| deck).map_err(|error| error.at_time(time))
 }
 
 impl Controller {
@@ -143,12 +145,4 @@ fn believed(params: &Params<f64>, mixer: &Mixer) -> Result<(), Invalid> {
         ],
     )?;
     within("controller.mixer.greatest_speed", mixer.greatest_speed, [0.0, f64::INFINITY])
-}
-
-/// All of them, by one check.
-fn each(
-    check: fn(&'static str, f64) -> Result<(), Invalid>,
-    parameters: impl IntoIterator<Item = (&'static str, f64)>,
-) -> Result<(), Invalid> {
-    parameters.into_iter().try_for_each(|(parameter, value)| check(parameter, value))
 }

@@ -22,13 +22,13 @@
 
 use std::vec::Vec;
 
+use mbs_models::Error;
 use mbs_models::check::{Invalid, Must, finite, positive, within};
 use mbs_models::quadrotor_euler::Params;
 use mbs_runtime::control::discrete_lqr;
 use mbs_runtime::{Scalar, State, to_matrix, to_rows};
 use nalgebra::SMatrix;
 
-use super::PredictiveError;
 use super::limits::{Limits, Sight};
 use super::problem::{Condition, Cost, FreeEnd, OptimalControl, Plan, Step};
 use super::sequential::{Options, Sequential};
@@ -146,14 +146,14 @@ impl PredictiveController {
     /// Of a vehicle with these parameters.
     ///
     /// # Errors
-    /// [`PredictiveError::Invalid`], [`PredictiveError::Regulator`].
+    /// [`Error`] of a number, or where no regulator gives the cost of what comes after the horizon.
     pub fn new(
         params: Params<f64>,
         limits: Limits,
         deck: HeavingDeck<4>,
         horizon: Horizon,
         descent: Descent,
-    ) -> Result<Self, PredictiveError> {
+    ) -> Result<Self, Error> {
         limits.check()?;
         horizon.check()?;
         descent.check()?;
@@ -165,21 +165,15 @@ impl PredictiveController {
             horizon.duration / horizon.intervals as f64,
         );
         let regulator =
-            discrete_lqr(&to_rows(&hover.by_state), &to_rows(&hover.by_input), &to_rows(&state), &to_rows(&input))
-                .map_err(PredictiveError::Regulator)?;
+            discrete_lqr(&to_rows(&hover.by_state), &to_rows(&hover.by_input), &to_rows(&state), &to_rows(&input))?;
         Ok(PredictiveController { prediction, limits, deck, horizon, descent, last: to_matrix(&regulator.cost) })
     }
 
     /// Rotor speeds \[rad/s\] from a moment on, for the state that is measured then.
     ///
     /// # Errors
-    /// [`PredictiveError`].
-    pub fn command(
-        &mut self,
-        memory: &mut Memory,
-        t: f64,
-        state: &State<[f64; 6]>,
-    ) -> Result<[f64; ROTORS], PredictiveError> {
+    /// [`Error`].
+    pub fn command(&mut self, memory: &mut Memory, t: f64, state: &State<[f64; 6]>) -> Result<[f64; ROTORS], Error> {
         finite("state.q", state.q)?;
         finite("state.qd", state.qd)?;
         let Horizon { period, duration, intervals, learning, .. } = self.horizon;

@@ -3,9 +3,9 @@
 
 use std::vec::Vec;
 
+use mbs_models::Error;
 use mbs_runtime::State;
 
-use super::PredictiveError;
 use super::limits::{Limits, Sight};
 use super::problem::Plan;
 use super::sequential::{Optimum, Options, Sequential};
@@ -43,14 +43,14 @@ pub const LOOKS: usize = 5;
 /// period.
 ///
 /// # Errors
-/// [`PredictiveError`], those of the pilot and `Landing`.
+/// [`Error`], those of the pilot and `Landing`.
 pub fn fly(
     landing: &Landing<HeavingDeck<4>>,
     limits: &Limits,
     state: State<[f64; 6]>,
     period: f64,
-    mut pilot: impl FnMut(f64, &State<[f64; 6]>) -> Result<[f64; ROTORS], PredictiveError>,
-) -> Result<(Touchdown, Vec<Moment>), PredictiveError> {
+    mut pilot: impl FnMut(f64, &State<[f64; 6]>) -> Result<[f64; ROTORS], Error>,
+) -> Result<(Touchdown, Vec<Moment>), Error> {
     landing.check(&state, period)?;
     limits.check()?;
     let mixer = Mixer::new(landing.vehicle.params());
@@ -67,7 +67,7 @@ pub fn fly(
         way.hold(time, state, &command, &deck);
         let (tilt, visibility) = (sight.tilt_angle(), sight.visibility().value);
         moments.push(Moment { time, state: *state, deck, speeds, tilt, visibility });
-        Ok::<_, PredictiveError>(speeds)
+        Ok(speeds)
     };
     let run = ZeroOrderHold {
         period: period / LOOKS as f64,
@@ -128,12 +128,8 @@ impl Replanning {
     /// Whether a plan is due: what was planned before takes over, and the next is made, unless the flight ends before.
     ///
     /// # Errors
-    /// [`PredictiveError`].
-    pub fn replan(
-        &mut self,
-        t: f64,
-        state: &State<[f64; 6]>,
-    ) -> Result<Option<Optimum<STATES, ROTORS>>, PredictiveError> {
+    /// [`Error`].
+    pub fn replan(&mut self, t: f64, state: &State<[f64; 6]>) -> Result<Option<Optimum<STATES, ROTORS>>, Error> {
         // Moments are multiples of a period, up to rounding.
         if t < f64::from(self.planned) * self.every - 1e-9 {
             return Ok(None);

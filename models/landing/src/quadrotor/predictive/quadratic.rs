@@ -18,9 +18,9 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT, ZeroConeT,
 };
+use mbs_models::{Error, Failure};
 use nalgebra::{SMatrix, SVector};
 
-use super::PredictiveError;
 use super::problem::{Condition, Cost, FreeEnd, OptimalControl, Plan, Step};
 use super::sequential::Worst;
 
@@ -71,7 +71,7 @@ impl Residual {
 }
 
 impl<const X: usize, const U: usize> Linearized<X, U> {
-    pub(super) fn about(problem: &impl OptimalControl<X, U>, plan: &Plan<X, U>) -> Result<Self, PredictiveError> {
+    pub(super) fn about(problem: &impl OptimalControl<X, U>, plan: &Plan<X, U>) -> Result<Self, Error> {
         let intervals = problem.intervals();
         let length = plan.duration / intervals as f64;
         let mut conditions = Vec::with_capacity(intervals);
@@ -86,7 +86,7 @@ impl<const X: usize, const U: usize> Linearized<X, U> {
                 && finite(&step.end)
                 && step.by_state.iter().chain(step.by_input.iter()).all(|x| x.is_finite());
             if !good {
-                return Err(PredictiveError::NotFinite { node, time });
+                return Err(Failure::NotFinite("the plan").at_time(time));
             }
             conditions.push(rows);
         }
@@ -316,7 +316,7 @@ impl Programs {
         damping: f64,
         broken: f64,
         accuracy: f64,
-    ) -> Result<Correction<X, U>, PredictiveError> {
+    ) -> Result<Correction<X, U>, Error> {
         self.write(problem, damping, broken);
         let (rows, columns, equations) = (self.b.len(), problem.columns(), problem.equations());
         let alike = self.solver.as_ref().is_some_and(|solver| {
@@ -329,17 +329,16 @@ impl Programs {
         if !updated {
             let (p, a) = (self.p.matrix(columns, columns), self.a.matrix(rows, columns));
             let cones: [SupportedConeT<f64>; 2] = [ZeroConeT(equations), NonnegativeConeT(rows - equations)];
-            let unsolved = PredictiveError::Quadratic { iterations: 0, primal: f64::NAN, dual: f64::NAN };
             let solver = DefaultSolver::new(&p, &self.q, &a, &self.b, &cones, settings(accuracy));
-            self.solver = Some(solver.map_err(|_| unsolved)?);
+            self.solver = Some(solver.map_err(|_| unsolved(0, f64::NAN))?);
         }
         let solver = self.solver.as_mut().expect("made above");
         solver.solve();
         let solution = &solver.solution;
         if !matches!(solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved) {
-            let (iterations, primal, dual) = (solution.iterations, solution.r_prim, solution.r_dual);
+            let (iterations, residual) = (solution.iterations, solution.r_prim.max(solution.r_dual));
             self.solver = None;
-            return Err(PredictiveError::Quadratic { iterations, primal, dual });
+            return Err(unsolved(iterations, residual));
         }
         let nodes = problem.steps.len();
         let v = &solution.x;
@@ -352,6 +351,11 @@ impl Programs {
             iterations: solution.iterations,
         })
     }
+}
+
+/// A quadratic program that was not solved: the greater one of the residuals of its equations and of its stationarity.
+fn unsolved(iterations: u32, residual: f64) -> Error {
+    Failure::NotConverged { what: "a quadratic program", iterations: iterations as usize, residual }.into()
 }
 
 /// The shape of a program is kept, its numbers change: nothing that looks at these alone.

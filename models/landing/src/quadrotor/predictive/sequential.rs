@@ -7,10 +7,10 @@
 
 use std::vec::Vec;
 
-use super::PredictiveError;
 use super::problem::{OptimalControl, Plan};
 pub use super::quadratic::Residual;
 use super::quadratic::{Correction, Linearized, Programs};
+use mbs_models::{Error, Failure};
 
 /// How programs are solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,12 +98,12 @@ impl Sequential {
     /// One program about a plan, whose correction is taken whole; the number of iterations of its solver.
     ///
     /// # Errors
-    /// `NotFinite`, `Quadratic` of [`PredictiveError`]; the plan is unchanged then.
+    /// [`Failure::NotFinite`], [`Failure::NotConverged`] of a quadratic program; the plan is unchanged then.
     pub fn iterate<const X: usize, const U: usize>(
         &mut self,
         problem: &impl OptimalControl<X, U>,
         plan: &mut Plan<X, U>,
-    ) -> Result<u32, PredictiveError> {
+    ) -> Result<u32, Error> {
         let Options { damping, broken, accuracy, .. } = self.options;
         let about = Linearized::about(problem, plan)?;
         let correction = self.programs.solve(&about, damping, broken, accuracy)?;
@@ -114,22 +114,23 @@ impl Sequential {
     /// The optimum that is reached from a plan.
     ///
     /// # Errors
-    /// [`PredictiveError`]; `Infeasible` where the least that is broken is not nothing.
+    /// [`Error`]; [`Failure::Infeasible`] where the least that is broken is not nothing.
     pub fn solve<const X: usize, const U: usize>(
         &mut self,
         problem: &impl OptimalControl<X, U>,
         guess: Plan<X, U>,
-    ) -> Result<Optimum<X, U>, PredictiveError> {
+    ) -> Result<Optimum<X, U>, Error> {
         let found = self.improve(problem, guess, self.options.most_programs)?;
         let residual = found.residual.greatest();
         if let Some(Worst { condition, node, excess }) = found.worst
             && excess > self.options.feasibility
             && residual < self.options.infeasibility
         {
-            return Err(PredictiveError::Infeasible { condition, node, time: found.plan.time(node), excess });
+            return Err(Failure::Infeasible { limit: condition, excess }.at_time(found.plan.time(node)));
         }
         if residual > self.options.tolerance {
-            return Err(PredictiveError::NotConverged { iterations: found.programs, residual });
+            let iterations = found.programs;
+            return Err(Failure::NotConverged { what: "the plan", iterations, residual }.into());
         }
         Ok(found)
     }
@@ -137,13 +138,13 @@ impl Sequential {
     /// What this many programs make of a plan at most, optimal or not.
     ///
     /// # Errors
-    /// `NotFinite`, `Quadratic` of [`PredictiveError`].
+    /// [`Failure::NotFinite`]; [`Failure::NotConverged`] of a quadratic program.
     pub fn improve<const X: usize, const U: usize>(
         &mut self,
         problem: &impl OptimalControl<X, U>,
         guess: Plan<X, U>,
         most_programs: usize,
-    ) -> Result<Optimum<X, U>, PredictiveError> {
+    ) -> Result<Optimum<X, U>, Error> {
         let Options { broken, accuracy, tolerance, .. } = self.options;
         let (mut damping, mut jump) = (self.options.damping, 0.0_f64);
         let mut about = Linearized::about(problem, &guess)?;

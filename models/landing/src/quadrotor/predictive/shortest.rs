@@ -5,11 +5,11 @@
 
 use std::vec::Vec;
 
+use mbs_models::Error;
 use mbs_models::check::{Invalid, Must, finite, positive, within};
 use mbs_runtime::State;
 use nalgebra::SMatrix;
 
-use super::PredictiveError;
 use super::limits::{Limits, Sight};
 use super::problem::{Condition, Cost, FreeEnd, OptimalControl, Plan, Step};
 use super::sequential::{Optimum, Options, Sequential};
@@ -101,11 +101,11 @@ impl ShortestLanding {
     /// there may be several that are shorter than what is near them.
     ///
     /// # Errors
-    /// [`PredictiveError`] of the last time, if none leads to a landing; `Infeasible` where it breaks a limit.
-    pub fn plan(&self, options: Options, durations: &[f64]) -> Result<Optimum<STATES, ROTORS>, PredictiveError> {
+    /// [`Error`] of the last time, if none leads to a landing; `Failure::Infeasible` where it breaks a limit.
+    pub fn plan(&self, options: Options, durations: &[f64]) -> Result<Optimum<STATES, ROTORS>, Error> {
         self.check()?;
         durations.iter().try_for_each(|&duration| positive("durations", duration))?;
-        let mut found: Result<Optimum<STATES, ROTORS>, PredictiveError> =
+        let mut found: Result<Optimum<STATES, ROTORS>, Error> =
             Err(Must::BePositive.broken_by("durations.len()", 0.0).into());
         for &duration in durations {
             let tried = Sequential::new(options).solve(self, self.straight(duration));

@@ -1,7 +1,8 @@
 //! What carries a deck: a plan, which nothing disturbs, or the Stewart platform, which feels what stands on it.
 
+use mbs_models::Error;
 use mbs_platform::jacobian::angular_rates;
-use mbs_platform::{LegVector, PlatformMotion, PoseError};
+use mbs_platform::{LegVector, PlatformMotion};
 use mbs_runtime::{State, to_matrix};
 use nalgebra::Vector3;
 
@@ -25,14 +26,14 @@ pub trait Carrier {
     /// Accelerations of its coordinates under a load, and the power \[W\] of what drives it.
     ///
     /// # Errors
-    /// [`PoseError`] where legs cannot hold it.
+    /// [`Error`] where legs cannot hold it.
     fn carry(
         &self,
         t: f64,
         platform: &State<[f64; 6]>,
         deck: &DeckState,
         load: &Load,
-    ) -> Result<([f64; 6], f64), PoseError>;
+    ) -> Result<([f64; 6], f64), Error>;
 
     /// Kinetic and potential energy \[J\], zero of a plan.
     fn energy(&self, platform: &State<[f64; 6]>) -> f64;
@@ -47,7 +48,7 @@ impl<D: Deck> Carrier for Planned<D> {
         self.0.at(t)
     }
 
-    fn carry(&self, _: f64, _: &State<[f64; 6]>, deck: &DeckState, load: &Load) -> Result<([f64; 6], f64), PoseError> {
+    fn carry(&self, _: f64, _: &State<[f64; 6]>, deck: &DeckState, load: &Load) -> Result<([f64; 6], f64), Error> {
         let power =
             load.force.dot(&Vector3::from(deck.velocity)) + load.moment.dot(&Vector3::from(deck.angular_velocity));
         Ok(([0.0; 6], -power))
@@ -74,8 +75,8 @@ impl<M: PlatformMotion> Carried<M> {
     /// Forces that the legs give \[N\].
     ///
     /// # Errors
-    /// [`PoseError`].
-    pub fn forces(&self, t: f64, platform: &State<[f64; 6]>) -> Result<LegVector, PoseError> {
+    /// [`Error`].
+    pub fn forces(&self, t: f64, platform: &State<[f64; 6]>) -> Result<LegVector, Error> {
         if !self.controlled {
             return Ok([0.0; 6]);
         }
@@ -97,7 +98,7 @@ impl<M: PlatformMotion> Carrier for Carried<M> {
         platform: &State<[f64; 6]>,
         deck: &DeckState,
         load: &Load,
-    ) -> Result<([f64; 6], f64), PoseError> {
+    ) -> Result<([f64; 6], f64), Error> {
         let State { q, qd } = platform;
         let forces = self.forces(t, platform)?;
         let origin = Vector3::from(self.deck.base) + Vector3::new(q[0], q[1], q[2]);

@@ -1,27 +1,35 @@
 //! The rotor speeds that give generalized forces, by the generated ones.
 
-use mbs_landing::quadrotor::mixer::{Effort, Mixer};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
+use mbs_runtime::Scalar;
 
-/// Rotors of a vehicle.
-pub(crate) struct Rotors {
+use super::mixer::{Effort, Mixer};
+
+/// The rotors of a vehicle, with the drag and the gyroscopic moments that they have in it.
+#[derive(Clone, Debug)]
+pub struct Rotors {
     mixer: Mixer,
     vehicle: QuadrotorEuler<f64>,
 }
 
-/// Speeds \[rad/s\], and whether one of them would have to turn backwards.
-pub(crate) struct Speeds {
-    pub(crate) speed: [f64; 4],
-    pub(crate) limited: bool,
+/// What the rotors are to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Speeds {
+    /// Of each rotor \[rad/s\].
+    pub speed: [f64; 4],
+    /// Whether one of them would have to turn backwards.
+    pub limited: bool,
 }
 
-/// Air that does not move.
-pub(crate) const CALM: [[f64; 3]; 3] = [[0.0; 3]; 3];
+/// Air that does not move: the prescribed signals of the mechanism without wind.
+pub const CALM: [[f64; 3]; 3] = [[0.0; 3]; 3];
 /// Each takes the error to a thirtieth or less: gyroscopic moments are small.
 const ITERATIONS: usize = 8;
 
 impl Rotors {
-    pub(crate) fn new(params: &Params<f64>) -> Self {
+    /// Of a vehicle with these parameters.
+    #[must_use]
+    pub fn new(params: &Params<f64>) -> Self {
         Self { mixer: Mixer::new(params), vehicle: QuadrotorEuler::new(*params) }
     }
 
@@ -29,33 +37,35 @@ impl Rotors {
     /// them without drag of the air and gyroscopic moments, which the generated forces have besides.
     ///
     /// Where no speeds give them, a rotor stands still.
-    pub(crate) fn speeds(&self, wanted: &[f64; 4], q: &[f64; 6], qd: &[f64; 6]) -> Speeds {
+    #[must_use]
+    pub fn speeds(&self, wanted: &[f64; 4], q: &[f64; 6], qd: &[f64; 6]) -> Speeds {
         let mut rotors = self.mixer.speeds(&effort(wanted, q));
         for _ in 0..ITERATIONS {
             let all = self.vehicle.generalized_force(&CALM, q, qd, &rotors.speed);
             let own = forces(&self.mixer.effort(&rotors.speed), q);
-            let left = std::array::from_fn(|i| wanted[i] - (all[i + 2] - own[i]));
+            let left = core::array::from_fn(|i| wanted[i] - (all[i + 2] - own[i]));
             rotors = self.mixer.speeds(&effort(&left, q));
         }
         Speeds { speed: rotors.speed, limited: rotors.saturated }
     }
 
     /// Thrust \[N\] and torques \[N·m\] of these speeds.
-    pub(crate) fn effort_of(&self, speed: &[f64; 4]) -> [f64; 4] {
+    #[must_use]
+    pub fn effort_of(&self, speed: &[f64; 4]) -> [f64; 4] {
         let Effort { thrust, torque: [x, y, z] } = self.mixer.effort(speed);
         [thrust, x, y, z]
     }
 }
 
-/// Forces of z, φ, θ, ψ: of thrust along the body's axis, and `Q = Tᵀ τ`.
+/// Forces of z, φ, θ, ψ, of thrust along the body's axis, and `Q = Tᵀ τ`.
 fn forces(&Effort { thrust, torque: [x, y, z] }: &Effort, q: &[f64; 6]) -> [f64; 4] {
-    let ((sr, cr), (sp, cp)) = (q[3].sin_cos(), q[4].sin_cos());
+    let ((sr, cr), (sp, cp)) = (Scalar::sin_cos(q[3]), Scalar::sin_cos(q[4]));
     [thrust * cr * cp, x, cr * y - sr * z, cp * (sr * y + cr * z) - sp * x]
 }
 
 /// The other way: `τ = T⁻ᵀ Q`.
 fn effort(&[lift, roll, pitch, yaw]: &[f64; 4], q: &[f64; 6]) -> Effort {
-    let ((sr, cr), (sp, cp)) = (q[3].sin_cos(), q[4].sin_cos());
+    let ((sr, cr), (sp, cp)) = (Scalar::sin_cos(q[3]), Scalar::sin_cos(q[4]));
     let across = (yaw + sp * roll) / cp;
     Effort { thrust: lift / (cr * cp), torque: [roll, cr * pitch + sr * across, cr * across - sr * pitch] }
 }
