@@ -111,6 +111,53 @@ pub trait Value: Copy {
     }
 }
 
+/// The operators, for formulas.
+macro_rules! operators {
+    ([$($generic:tt)*] $number:ty) => {
+        impl<$($generic)*> std::ops::Add for $number {
+            type Output = Self;
+            fn add(self, other: Self) -> Self {
+                $crate::expr::Value::add(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Sub for $number {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                $crate::expr::Value::sub(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Mul for $number {
+            type Output = Self;
+            fn mul(self, other: Self) -> Self {
+                $crate::expr::Value::mul(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Neg for $number {
+            type Output = Self;
+            fn neg(self) -> Self {
+                $crate::expr::Value::neg(self)
+            }
+        }
+
+        impl<$($generic)*> std::iter::Sum for $number {
+            fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+                terms.fold(Self::default(), |sum, term| sum + term)
+            }
+        }
+
+        impl<$($generic)*> Default for $number {
+            fn default() -> Self {
+                $crate::expr::Value::constant(0.0)
+            }
+        }
+    };
+}
+
+pub(super) use operators;
+
 impl Value for f64 {
     fn constant(value: f64) -> f64 {
         value
