@@ -18,8 +18,9 @@
 //! - `rounded`: numbers with a bound on their rounding errors;
 //! - `factors`, `constrained`: symmetric systems and systems with constraints, solved as the runtime solves them;
 //! - `range`: between which values expressions stay;
-//! - `field`: prime fields; `residue`: numbers of one, `ratio`: rational ones; `identity`: what holds for all values of the
-//!   symbols, decided there;
+//! - `field`: prime fields; `residue`: numbers of one, `ratio`: rational ones; `identity`: what holds for all values of
+//!   the symbols, decided there;
+//! - `image`, `degree`: what claims are proved with, and how likely they are to hold by chance;
 //! - `branch`: the sides of conditions, and what leads to them;
 //! - `vanishing`: sums that are zero, left out;
 //! - `table`: tables over nodes, where a hash map would be slow;

@@ -299,6 +299,12 @@ impl<V: Value> Run<'_, V> {
     /// All values; what stands on one side of a branch only is computed where that side is taken.
     fn steps(&self, program: &Program) -> Vec<Option<V>> {
         let mut values: Vec<Option<V>> = vec![None; program.instructions.len()];
+        if V::TAKES_BOTH_SIDES {
+            for (i, &instruction) in program.instructions.iter().enumerate() {
+                values[i] = Some(self.step(program, instruction, &values));
+            }
+            return values;
+        }
         let mut waiting = Vec::new();
         for (i, &instruction) in program.instructions.iter().enumerate() {
             let value = Step(i as u32);
@@ -356,8 +362,11 @@ impl<V: Value> Run<'_, V> {
             },
             Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
             Instruction::Spline(d, a) => v(a).spline(&program.splines[d.spline as usize], d.order as usize),
-            Instruction::Less(a, b) => truth(v(a).less(v(b))),
-            Instruction::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
+            Instruction::Less(a, b) => v(a).condition(v(b), false),
+            Instruction::LessEqual(a, b) => v(a).condition(v(b), true),
+            Instruction::And(a, b) if V::TAKES_BOTH_SIDES => v(a).mul(v(b)),
+            Instruction::Not(a) if V::TAKES_BOTH_SIDES => V::constant(1.0).sub(v(a)),
+            Instruction::Select(c, a, b) if V::TAKES_BOTH_SIDES => v(c).select(v(a), v(b)),
             Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
             Instruction::Not(a) => truth(!holds(v(a))),
             Instruction::Select(c, a, b) => v(if holds(v(c)) { a } else { b }),

@@ -13,8 +13,8 @@
 //!   in `acceleration`, those about outputs in `output`; `group`: many columns at once; `allowed`: states that hold
 //!   constraints; `motion`: the motion with constraints, and its derivatives;
 //! - `system`: what is claimed of systems that are solved at run time;
-//! - `tested`: the numbers that claims are made of; `exact`: the same claims in prime fields, without rounding; `nodes`: what of a
-//!   declaration fields cannot decide.
+//! - `tested`: the numbers that claims are made of; `exact`: the same claims in prime fields, without rounding;
+//!   `nodes`: what of a declaration fields cannot decide.
 
 mod acceleration;
 mod allowed;
@@ -56,8 +56,8 @@ use witness::exact;
 /// At this many generic states both must agree.
 pub const STATES: usize = 20;
 
-/// At so many states doubles are asked for what is proved exactly: whether the order of operations that is emitted keeps
-/// rounding within its bound.
+/// Up to this many states, and one more, doubles are asked for what is proved exactly: whether the order of operations
+/// that is emitted keeps rounding within its bound.
 const STATES_OF_KNOWN: usize = 7;
 
 /// Largest relative difference, beside what rounding explains.

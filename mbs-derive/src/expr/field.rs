@@ -39,7 +39,7 @@ const ALL: [Field; FIELDS] = [
 /// The base of exponentials, of order h: a square.
 pub(super) const BASE: u64 = 4;
 
-/// A power of a fixed base is a product of one entry for each of so many digits of four bits.
+/// A power of a fixed base is a product of one entry for each of this many digits of four bits.
 const DIGITS: usize = 16;
 
 type Powers<T> = [[T; 16]; DIGITS];

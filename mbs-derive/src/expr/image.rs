@@ -1,8 +1,8 @@
 //! Images of real numbers in a prime field: what the proof is made with, without rounding.
 //!
-//! A rational function of degree d that is not zero vanishes at a random point of a field of p elements with probability
-//! d/p at most (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*, Journal of the ACM
-//! 27:4, 1980). Functions that are not rational get values that obey the laws of the functions:
+//! A rational function of degree d that is not zero vanishes at a random point of a field of p elements with
+//! probability d/p at most (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*,
+//! Journal of the ACM 27:4, 1980). Functions that are not rational get values that obey the laws of the functions:
 //!
 //! - a sine with its cosine is a point of the unit circle, which is a cyclic group, and angles are exponents. An angle
 //!   is read as a sum of terms: each product of symbols, `θ`, `k θ`, `ω t`, and the radian, has an exponent of its own,
@@ -12,9 +12,11 @@
 //! - exponentials are powers of a number of prime order in the same way;
 //! - of the two roots of a square one is itself a square, and that one is `√x`: roots are multiplicative, and
 //!   `√x · √x = x`. Of what is no square there is no root, and no value;
-//! - every other function is opaque: equal where its arguments are, and odd where it is odd. What is not a sum of terms,
-//!   as a function inside an angle, is a term of its own, told from others by its value;
-//! - which of two numbers is the smaller one is decided by a coin, unless both are rational.
+//! - every other function is opaque: equal where its arguments are, and odd where it is odd. What is not a sum of
+//!   terms, as a function inside an angle, is a term of its own, told from others by its value;
+//! - a condition is a number of its own, t, told from others by the difference that is compared, and a choice is
+//!   `t a + (1 − t) b`: what holds for all t holds for 0 and 1. `a < b` is `1 − t` of `b <= a`, and of two rational
+//!   numbers it is known. Signum is such a number as well, odd, and `|x|` is x times that.
 //!
 //! Unlike [`Residue`](super::Residue), with which the generator decides what is equal, this keeps terms apart that are
 //! products of others: powers of one base whose exponents are a, b and a b are no random point of a torus. And it
@@ -183,10 +185,10 @@ impl<const K: usize> Image<K> {
         result
     }
 
-    fn size(self) -> Self {
+    fn signum(self) -> Self {
         match self.form {
-            Form::Rational(ratio) => Self::rational(Ratio { numerator: ratio.numerator.abs(), ..ratio }),
-            _ => self.mul(self).root(),
+            Form::Rational(ratio) => Self::halved(2 * ratio.numerator.signum()),
+            _ => Self::keyed(0x7369_676e, self.value),
         }
     }
 
@@ -288,6 +290,8 @@ impl Form {
 }
 
 impl<const K: usize> Value for Image<K> {
+    const TAKES_BOTH_SIDES: bool = true;
+
     fn constant(value: f64) -> Self {
         const SHORT: f64 = (1u64 << 53) as f64;
         let doubled = 2.0 * value;
@@ -444,9 +448,8 @@ impl<const K: usize> Value for Image<K> {
             (Function::Exp, _) => self.exponential(),
             (Function::Ln, _) if self.value == 1 => Self::rational(Ratio::ZERO),
             (Function::Ln, _) => Self::opaque(mixed(self.value ^ 0x6c6e_0000) % Self::P),
-            (Function::Abs, _) => self.size(),
-            (Function::Signum, _) if self.is_zero() => self,
-            (Function::Signum, _) => self.div(self.size()),
+            (Function::Abs, _) => self.mul(self.signum()),
+            (Function::Signum, _) => self.signum(),
         }
     }
 
@@ -494,6 +497,30 @@ impl<const K: usize> Value for Image<K> {
     fn less_equal(self, other: Self) -> bool {
         let difference = other.sub(self);
         difference.is_defined() && (difference.is_zero() || self.less(other))
+    }
+
+    fn condition(self, other: Self, or_equal: bool) -> Self {
+        let difference = other.sub(self);
+        let truth = |holds: bool| Self::halved(if holds { 2 } else { 0 });
+        match difference.form {
+            _ if !difference.is_defined() => Self::NOT_DEFINED,
+            _ if difference.is_zero() => truth(or_equal),
+            Form::Rational(ratio) => truth(ratio.numerator > 0),
+            _ => {
+                // `0 < −d` is `!(0 <= d)`.
+                let (size, is_negative) = Prime::<K>::sign(difference.value);
+                let number = Self::opaque(mixed(mixed(size) ^ u64::from(or_equal != is_negative)) % Self::P);
+                if is_negative { truth(true).sub(number) } else { number }
+            }
+        }
+    }
+
+    fn select(self, a: Self, b: Self) -> Self {
+        match self.form {
+            Form::Rational(Ratio::ZERO) => b,
+            Form::Rational(Ratio::ONE) => a,
+            _ => b.add(self.mul(a.sub(b))),
+        }
     }
 
     fn is_exactly_zero(self) -> bool {

@@ -13,9 +13,9 @@ use super::spline::Spline;
 ///
 /// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so (a
 /// square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact
-/// numbers leaves no trace in rounded ones. A `Real` carries its images in prime fields beside its double, formed by the
-/// same operations: by them it is told from others of the same double, and proved with. Equality and hashing are by bits
-/// of the values and by the images, so that numbers can be hash-consed.
+/// numbers leaves no trace in rounded ones. A `Real` carries its images in prime fields beside its double, formed by
+/// the same operations: by them it is told from others of the same double, and proved with. Equality and hashing are by
+/// bits of the values and by the images, so that numbers can be hash-consed.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {

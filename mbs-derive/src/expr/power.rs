@@ -139,6 +139,8 @@ fn exact_value(function: Function, argument: Number) -> Option<Number> {
             Some(Number::ZERO)
         }
         Function::Exp | Function::Cosh | Function::Sech if argument.is_zero() => Some(Number::ONE),
+        Function::Signum if argument.is_zero() => Some(Number::ZERO),
+        Function::Signum => Some(Number::integer(if argument.is_negative() { -1 } else { 1 })),
         Function::Abs => Some(if argument.is_negative() { -argument } else { argument }),
         _ => None,
     }

@@ -19,7 +19,7 @@ use super::witness::{Witness, moving};
 /// Of an identity whose bound at one point is larger, doubles say more.
 const LARGEST_CHANCE: f64 = 1.0 / (1 << 20) as f64;
 
-/// In so many fields at least an identity holds: a number may be a multiple of one of the primes.
+/// In this many fields at least an identity holds: a number may be a multiple of one of the primes.
 const AGREEING: usize = 2;
 
 /// How much is proved exactly.
@@ -62,7 +62,7 @@ pub(super) struct Verdict {
 /// Decides every claim of a mechanism.
 pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verdict {
     let nodes = Nodes::of(witness, derivation);
-    let degrees = differences(witness, derivation, &point(witness, |_| Degree::symbol()));
+    let degrees = differences(witness, derivation, &point(witness, Degree::symbol));
     let decidable = nodes.obstacle(witness, |number| nth_point(witness, number));
     let roots = decidable.unwrap_or(0);
     let fields = match decidable {
@@ -95,6 +95,7 @@ pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verd
             }
             None if count(Outcome::NotMade) > 0 || !identity.is_made => "where constraints hold alone".to_string(),
             None if differing > 0 && !nodes.opaque.is_empty() => nodes.opaque.join(", "),
+            None if differing > 0 && nodes.has_choices => "conditions".to_string(),
             None if differing > 0 && shown(|shown| shown.has_other_angles) => "functions of sums in angles".to_string(),
             None if differing >= AGREEING => {
                 refused = refused.or(Some((identity.text, identity.component)));
@@ -199,3 +200,6 @@ fn differences<V: Tested>(
     trial.prove(&BTreeSet::new()).expect("differences are taken down, not judged");
     trial.differences.take()
 }
+
+#[cfg(test)]
+mod mutation;

@@ -18,7 +18,8 @@ const POINTS: u64 = 52;
 pub(super) struct Nodes {
     /// Functions that obey no law in a field.
     pub opaque: Vec<&'static str>,
-    has_choices: bool,
+    /// Conditions, signum and absolute values.
+    pub has_choices: bool,
     pub has_roots: bool,
     /// Constants of which the double alone is known.
     pub has_rounded_constants: bool,
@@ -34,13 +35,19 @@ impl Nodes {
             match *step {
                 Node::Call(function, _) => nodes.call(function),
                 Node::Call2(function, ..) => nodes.call2(function),
-                Node::Spline(..) => nodes.opaque("a table"),
+                Node::Spline(..) => nodes.table(),
                 Node::Power(_, n) => nodes.has_roots |= n.to_integer().is_none(),
-                Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) | Node::Select(..) => {
-                    nodes.has_choices = true;
-                }
+                Node::Less(..) | Node::LessEqual(..) => nodes.condition(),
                 Node::Constant(number) => nodes.has_rounded_constants |= number.is_rounded(),
-                Node::Symbol(_) | Node::Rate(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..) => {}
+                Node::Symbol(_)
+                | Node::Rate(_)
+                | Node::Neg(_)
+                | Node::Add(..)
+                | Node::Sub(..)
+                | Node::Mul(..)
+                | Node::And(..)
+                | Node::Not(_)
+                | Node::Select(..) => {}
             }
         }
         programs(derivation).for_each(|program| nodes.program(program));
@@ -52,13 +59,9 @@ impl Nodes {
             match *instruction {
                 Instruction::Call(function, _) => self.call(function),
                 Instruction::Call2(function, ..) => self.call2(function),
-                Instruction::Spline(..) => self.opaque("a table"),
+                Instruction::Spline(..) => self.table(),
                 Instruction::Sqrt(_) => self.has_roots = true,
-                Instruction::Less(..)
-                | Instruction::LessEqual(..)
-                | Instruction::And(..)
-                | Instruction::Not(_)
-                | Instruction::Select(..) => self.has_choices = true,
+                Instruction::Less(..) | Instruction::LessEqual(..) => self.condition(),
                 Instruction::Constant(number) => self.has_rounded_constants |= number.is_rounded(),
                 Instruction::Symbol(_)
                 | Instruction::Hoisted(_)
@@ -66,7 +69,10 @@ impl Nodes {
                 | Instruction::Add(..)
                 | Instruction::Sub(..)
                 | Instruction::Mul(..)
-                | Instruction::Div(..) => {}
+                | Instruction::Div(..)
+                | Instruction::And(..)
+                | Instruction::Not(_)
+                | Instruction::Select(..) => {}
             }
         }
     }
@@ -97,21 +103,28 @@ impl Nodes {
         self.opaque(function.name());
     }
 
+    fn table(&mut self) {
+        self.arguments += 1;
+        self.opaque("a table");
+    }
+
+    fn condition(&mut self) {
+        self.arguments += 1;
+        self.has_choices = true;
+    }
+
     fn opaque(&mut self, name: &'static str) {
         if !self.opaque.contains(&name) {
             self.opaque.push(name);
         }
     }
 
-    /// What keeps claims from being decided, and of how many roots they are made.
+    /// Of how many roots claims are made, or what keeps them from being decided.
     pub(super) fn obstacle(
         &self,
         witness: &Witness<'_, '_>,
         point: impl Fn(u64) -> Point<Image<0>>,
     ) -> Result<usize, &'static str> {
-        if self.has_choices {
-            return Err("conditions");
-        }
         if !self.has_roots {
             return Ok(0);
         }
@@ -198,9 +211,10 @@ impl Shown {
         let mut shown = Shown::default();
         for tape in witness.tapes() {
             let values = tape.all(moving(state, parameters));
-            shown.has_other_angles |= tape.steps().iter().any(
-                |step| matches!(*step, Node::Call(f, a) if has_law(f) && !is_sum_of_terms(values[a.index()])),
-            );
+            shown.has_other_angles |= tape
+                .steps()
+                .iter()
+                .any(|step| matches!(*step, Node::Call(f, a) if has_law(f) && !is_sum_of_terms(values[a.index()])));
         }
         for program in programs(derivation) {
             let values = interpreter.steps(program, state, multipliers);

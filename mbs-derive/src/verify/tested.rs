@@ -16,8 +16,8 @@ use super::{Failure, TOLERANCE};
 pub(crate) trait Tested:
     Value + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> + Sum
 {
-    /// Whether of systems with constraints the entries are claimed, and not that solutions fit: off the constraints rows
-    /// that depend on each other where these hold have no solution, or another one.
+    /// Whether of systems with constraints the entries are claimed, and not that solutions fit: off the constraints
+    /// rows that depend on each other where these hold have no solution, or another one.
     const CLAIMS_SYSTEMS: bool;
 
     /// A number that is meant to the last digit.
@@ -190,11 +190,11 @@ impl Tested for Degree {
     }
 
     fn weight(round: usize) -> Self {
-        if round == 0 { Degree::constant(1.0) } else { Degree::symbol() }
+        if round == 0 { Degree::constant(1.0) } else { Degree::symbol(0x7765_0000_0000 + round as u64) }
     }
 
-    fn multiplier(_: Self, _: usize) -> Self {
-        Degree::symbol()
+    fn multiplier(_: Self, number: usize) -> Self {
+        Degree::symbol(0x6c61_0000_0000 + number as u64)
     }
 
     fn vanishes(self) -> bool {

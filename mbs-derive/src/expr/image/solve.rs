@@ -50,8 +50,8 @@ impl<const K: usize> System<K> {
         System { size, taken, leads, is_determined }
     }
 
-    /// q̈, then λ; nothing defined where there is no solution, or more than one q̈. Where rows depend on each other, one
-    /// of the λ.
+    /// q̈, then λ; nothing defined where there is no solution, or more than one q̈. Of rows that depend on each other λ
+    /// is one of those that solve the system.
     pub(super) fn solution(&self, column: &[Image<K>]) -> Vec<Image<K>> {
         let zero = Image::constant(0.0);
         let product = |row: &Vec<Image<K>>| row.iter().zip(column).fold(zero, |sum, (a, &b)| sum.add(a.mul(b)));
