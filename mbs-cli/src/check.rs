@@ -1,6 +1,7 @@
 //! `mbs check`: is the declaration good, and can its equations be proved.
 
 mod freedom;
+mod proof;
 
 use std::path::PathBuf;
 
@@ -9,6 +10,7 @@ use mbs_derive::variable::component_names;
 use serde_json::{Value, json};
 
 pub(crate) use freedom::Freedom;
+pub(crate) use proof::Evidence;
 
 use crate::cache::Cache;
 use crate::failure::Failure;
@@ -22,13 +24,18 @@ pub(crate) struct Arguments {
     /// The mechanism.
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
+
+    /// Show the points, the fields and the degrees of the proof, and each claim that is proved in doubles alone.
+    #[arg(long)]
+    verbose: bool,
 }
 
 /// Prints one line about a mechanism that is good.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mechanism = mechanism::read(&arguments.file, cache)?;
     let freedom = Freedom::of(&mechanism.derivation)?;
-    output::answer(|| object(&mechanism, &freedom), || summary(&mechanism, &freedom))
+    let details = || if arguments.verbose { mechanism.evidence.details() } else { String::new() };
+    output::answer(|| object(&mechanism, &freedom), || summary(&mechanism, &freedom) + &details())
 }
 
 /// What a mechanism is, in numbers and names.
@@ -46,6 +53,7 @@ pub(crate) fn object(mechanism: &Mechanism, freedom: &Freedom) -> Value {
         "degrees_of_freedom": freedom.count(),
         "proved_at": mechanism.proved_at,
         "singular_at": mechanism.singular_at,
+        "proof": mechanism.evidence.object(),
     })
 }
 
@@ -57,7 +65,7 @@ pub(crate) fn summary(mechanism: &Mechanism, freedom: &Freedom) -> String {
         count => format!(", at {count} of which some motion has no inertia"),
     };
     format!(
-        "{}: {}, {}, {}, {}{}; proved at {}{singular}\n",
+        "{}: {}, {}, {}, {}{}; proved at {}{singular}; {}\n",
         derivation.name,
         counted(&derivation.coordinates, "coordinate"),
         counted(&derivation.inputs, "input"),
@@ -65,6 +73,7 @@ pub(crate) fn summary(mechanism: &Mechanism, freedom: &Freedom) -> String {
         plural(mechanism.bodies, "body", "bodies"),
         freedom.summary(),
         plural(mechanism.proved_at, "state", "states"),
+        mechanism.evidence.summary(),
     )
 }
 

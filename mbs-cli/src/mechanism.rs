@@ -10,6 +10,7 @@ use mbs_derive::{Analysis, Digest, Error};
 use serde::{Deserialize, Serialize};
 
 use crate::cache::Cache;
+use crate::check::Evidence;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::message::Messages;
@@ -27,6 +28,8 @@ pub(crate) struct Mechanism {
     pub(crate) proved_at: usize,
     /// At how many of them some motion has no inertia.
     pub(crate) singular_at: usize,
+    /// How much of it is proved exactly.
+    pub(crate) evidence: Evidence,
     /// What standard error says of it.
     warnings: Messages,
 }
@@ -160,6 +163,7 @@ pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> 
         bodies: analysis.lagrangian().bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
+        evidence: Evidence::of(&proof),
         warnings: Messages::of(&analysis.warnings(Some(&proof)), sources),
         derivation: analysis.into_programs(),
     };

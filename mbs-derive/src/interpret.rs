@@ -236,6 +236,18 @@ impl<'d, V: Value> Interpreter<'d, V> {
         V::constrained(self.derivation.dof(), mass, jacobian, &self.derivation.constraint_vectors)(&right_side)
     }
 
+    /// The values of a function's program, of given accelerations and multipliers, before what it sets up is solved.
+    pub(crate) fn values(&self, function: &Function, state: &State<V>, multipliers: &[V]) -> Vec<V> {
+        self.run(&function.program, state, multipliers)
+    }
+
+    /// The values of all instructions of a program without branches.
+    pub(crate) fn steps(&self, program: &Program, state: &State<V>, multipliers: &[V]) -> Vec<V> {
+        let Interpreter { parameters, hoisted, trigonometry, .. } = self;
+        let run = Run { state, multipliers, parameters, hoisted, trigonometry: *trigonometry };
+        run.steps(program).into_iter().flatten().collect()
+    }
+
     /// What a program sets up for the motion with constraints.
     pub(crate) fn system_of_motion(&self, forward_dynamics: &Function, state: &State<V>) -> System<V> {
         let n = self.derivation.dof();
@@ -254,7 +266,7 @@ pub(crate) struct System<V> {
 }
 
 /// The columns of right sides with `rows` rows each; each part has columns of its own, row by row.
-fn columns<V: Value>(mut right_sides: &[V], widths: &[usize], rows: usize) -> Vec<Vec<V>> {
+pub(crate) fn columns<V: Value>(mut right_sides: &[V], widths: &[usize], rows: usize) -> Vec<Vec<V>> {
     let mut columns = Vec::new();
     for &width in widths {
         let (part, behind) = right_sides.split_at(rows * width);
@@ -279,9 +291,20 @@ struct Run<'a, V> {
 }
 
 impl<V: Value> Run<'_, V> {
-    /// The results; what stands on one side of a branch only is computed where that side is taken.
     fn results(&self, program: &Program) -> Vec<V> {
+        let values = self.steps(program);
+        program.results.iter().map(|&v| known(&values, v)).collect()
+    }
+
+    /// All values; what stands on one side of a branch only is computed where that side is taken.
+    fn steps(&self, program: &Program) -> Vec<Option<V>> {
         let mut values: Vec<Option<V>> = vec![None; program.instructions.len()];
+        if V::TAKES_BOTH_SIDES {
+            for (i, &instruction) in program.instructions.iter().enumerate() {
+                values[i] = Some(self.step(program, instruction, &values));
+            }
+            return values;
+        }
         let mut waiting = Vec::new();
         for (i, &instruction) in program.instructions.iter().enumerate() {
             let value = Step(i as u32);
@@ -295,7 +318,7 @@ impl<V: Value> Run<'_, V> {
                 values[i] = Some(self.step(program, instruction, &values));
             }
         }
-        program.results.iter().map(|&v| known(&values, v)).collect()
+        values
     }
 
     /// Computes the values that are waited for, after what they need; of a choice that is the side taken.
@@ -339,8 +362,11 @@ impl<V: Value> Run<'_, V> {
             },
             Instruction::Call2(function, a, b) => v(a).call2(function, v(b)),
             Instruction::Spline(d, a) => v(a).spline(&program.splines[d.spline as usize], d.order as usize),
-            Instruction::Less(a, b) => truth(v(a).less(v(b))),
-            Instruction::LessEqual(a, b) => truth(v(a).less_equal(v(b))),
+            Instruction::Less(a, b) => v(a).condition(v(b), false),
+            Instruction::LessEqual(a, b) => v(a).condition(v(b), true),
+            Instruction::And(a, b) if V::TAKES_BOTH_SIDES => v(a).mul(v(b)),
+            Instruction::Not(a) if V::TAKES_BOTH_SIDES => V::constant(1.0).sub(v(a)),
+            Instruction::Select(c, a, b) if V::TAKES_BOTH_SIDES => v(c).select(v(a), v(b)),
             Instruction::And(a, b) => truth(holds(v(a)) && holds(v(b))),
             Instruction::Not(a) => truth(!holds(v(a))),
             Instruction::Select(c, a, b) => v(if holds(v(c)) { a } else { b }),

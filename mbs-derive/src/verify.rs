@@ -11,23 +11,32 @@
 //! - `witness`: Lagrange's equations from the verbatim energies, by dual numbers;
 //! - `claim`: what is compared, one function per claim of the catalogue: those about forces here, those about motions
 //!   in `acceleration`, those about outputs in `output`; `group`: many columns at once; `allowed`: states that hold
-//!   constraints; `motion`: the motion with constraints, and its derivatives.
+//!   constraints; `motion`: the motion with constraints, and its derivatives;
+//! - `system`: what is claimed of systems that are solved at run time;
+//! - `tested`: the numbers that claims are made of; `exact`: the same claims in prime fields, without rounding;
+//!   `nodes`: what of a declaration fields cannot decide.
 
 mod acceleration;
 mod allowed;
 mod claim;
 mod coverage;
+mod exact;
 mod group;
 mod inertia;
 mod linear;
 mod motion;
 #[cfg(test)]
 mod mutants;
+mod nodes;
 mod output;
+mod system;
+mod tested;
 mod witness;
 
+use std::collections::BTreeSet;
 use std::fmt;
 
+use crate::catalogue::Claim;
 use crate::derive::time_derivative;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::expr::{Expr, Graph, Id, Node, Rounded, carry_out};
@@ -40,11 +49,16 @@ use crate::variable::count;
 
 use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};
+use exact::{Evidence, Verdict};
 pub use witness::Witness;
 use witness::exact;
 
 /// At this many generic states both must agree.
 pub const STATES: usize = 20;
+
+/// Up to this many states, and one more, doubles are asked for what is proved exactly: whether the order of operations
+/// that is emitted keeps rounding within its bound.
+const STATES_OF_KNOWN: usize = 7;
 
 /// Largest relative difference, beside what rounding explains.
 pub(crate) const TOLERANCE: f64 = 1e-9;
@@ -67,6 +81,8 @@ pub struct Proof {
     /// The sides of choices that no state was found to take, of which nothing is proved: the number of the choice in
     /// the graph of the declaration, and whether it is the side where its condition holds.
     pub unproved: Vec<(Id, bool)>,
+    /// How much holds in prime fields, without rounding.
+    pub evidence: Evidence,
     /// The sides that were taken only where something declared has no derivative, as `abs(x)` where x is zero: nothing
     /// is proved of them either.
     pub at_corners: Vec<(Id, bool)>,
@@ -91,9 +107,11 @@ impl Proof {
             return Err(Failure::Overflow { function });
         }
         let (witness, choices) = (Witness::new(lagrangian), Choices::of(lagrangian));
+        let Verdict { evidence, known, refused } = exact::decide(&witness, derivation);
         let mut prover = Prover {
             witness: &witness,
             derivation,
+            known,
             coverage: Coverage::new(&choices, lagrangian),
             states: 0,
             singular: 0,
@@ -113,8 +131,11 @@ impl Proof {
             generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
             if generic == STATES {
                 prover.prove_other_sides()?;
+                if let Some((claim, component)) = refused {
+                    return Err(Failure::Inexact { claim, component });
+                }
                 let [unproved, at_corners] = prover.coverage.missing();
-                return Ok(Proof { states: prover.states, singular: prover.singular, unproved, at_corners });
+                return Ok(Proof { states: prover.states, singular: prover.singular, unproved, evidence, at_corners });
             }
         }
         Err(Failure::TooFewStates { finite: generic, tried })
@@ -176,6 +197,13 @@ pub enum Failure {
         /// Which function.
         function: String,
     },
+    /// The generated code and the energies disagree, by less than doubles tell: a bug of the generator.
+    Inexact {
+        /// What was claimed.
+        claim: &'static str,
+        /// Which component.
+        component: usize,
+    },
     /// The generated code and the energies disagree: a bug of the generator.
     Disagreement {
         /// What was claimed.
@@ -199,7 +227,7 @@ impl Failure {
             Failure::TooFewStates { .. } => Code::TooFewStates,
             Failure::NegativeInertia { .. } => Code::NegativeSomewhere,
             Failure::Overflow { .. } => Code::Overflow,
-            Failure::Disagreement { .. } => Code::Disagreement,
+            Failure::Inexact { .. } | Failure::Disagreement { .. } => Code::Disagreement,
         }
     }
 }
@@ -222,6 +250,11 @@ impl fmt::Display for Failure {
                  exponent meant?",
                 f64::MAX
             ),
+            Failure::Inexact { claim, component } => write!(
+                f,
+                "the derived code disagrees with the declared energies, by less than doubles tell; this is a bug of the \
+                 generator, please report it\n  claim: {claim}, component {component}"
+            ),
             Failure::Disagreement { claim, component, found, expected, state, parameters } => write!(
                 f,
                 "the derived code disagrees with the declared energies; this is a bug of the generator, please report it\n  \
@@ -239,6 +272,8 @@ impl std::error::Error for Failure {}
 struct Prover<'a, 'c, 'l, 'g> {
     witness: &'a Witness<'l, 'g>,
     derivation: &'a Derivation,
+    /// What is proved exactly.
+    known: BTreeSet<Claim>,
     coverage: Coverage<'c, 'l, 'g>,
     states: usize,
     singular: usize,
@@ -253,10 +288,12 @@ impl Prover<'_, '_, '_, '_> {
             return Ok(false);
         }
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
-        trial.prove()?;
+        let (none, few) = (BTreeSet::new(), self.states < STATES_OF_KNOWN);
+        let known = if few { &none } else { &self.known };
+        trial.prove(known)?;
         self.coverage.note(at, with);
         let is_singular = is_physical && inertia::is_singular(&trial, at, with)?;
-        let on_constraints = prove_on_constraints(&trial, with, is_physical)?;
+        let on_constraints = prove_on_constraints(&trial, known, with, is_physical)?;
         self.states += 1 + usize::from(on_constraints.is_some());
         // A mechanism never is where its constraints do not hold: a quaternion of zeros turns nothing.
         let is_singular = if trial.is_constrained() { on_constraints == Some(true) } else { is_singular };
@@ -294,11 +331,16 @@ fn overflowing(derivation: &Derivation) -> Option<String> {
 
 /// Proves once more where the constraints hold, if there are any and such a state is near; whether some motion of a
 /// physical mechanism has no inertia there.
-fn prove_on_constraints(trial: &Trial<'_>, with: &[f64], is_physical: bool) -> Result<Option<bool>, Failure> {
+fn prove_on_constraints(
+    trial: &Trial<'_>,
+    known: &BTreeSet<Claim>,
+    with: &[f64],
+    is_physical: bool,
+) -> Result<Option<bool>, Failure> {
     match if trial.is_constrained() { trial.consistent_state() } else { None } {
         Some(state) if trial.is_finite_at(&state) => {
             let there = trial.at(&state);
-            there.prove()?;
+            there.prove(known)?;
             Ok(Some(is_physical && inertia::is_singular(&there, &doubles(&state), with)?))
         }
         _ => Ok(None),

@@ -8,9 +8,31 @@ fn a_good_mechanism_is_summed_up_in_a_line() {
     let pendulum = workshop.good(&["check", "pendulum.mbs"]);
     let (summary, proof) = pendulum.split_once("; proved at ").unwrap();
     assert_eq!(summary, "Pendulum: 1 coordinate (theta), 1 input (tau), 4 parameters (m, l, g, b), 0 bodies");
-    assert!(proof.ends_with(" states\n") && proof.lines().count() == 1, "{proof}");
+    let (_, exact) = proof.split_once(" states; proved exactly: ").unwrap();
+    let (identities, chance) = exact.split_once(" identities, chance of a false proof below 1e-").unwrap();
+    assert!(identities.parse::<usize>().unwrap() > 20 && chance.trim_end().parse::<u32>().unwrap() > 30, "{exact}");
+    assert_eq!(proof.lines().count(), 1, "{proof}");
     let chain = workshop.good(&["check", "chain.mbs"]);
     assert!(chain.starts_with("Chain: 2 coordinates (x[2]), 0 inputs, 3 parameters (m[2], k), 0 bodies; "), "{chain}");
+}
+
+#[test]
+fn what_is_not_proved_exactly_is_named() {
+    let workshop = Workshop::new();
+    let text = "#![dimensionless] mechanism Odd { coord x: 1; kinetic += dt(x)^2; force x += ln(exp(x)); \
+                output angle = [sin(0.12345678901234*x), 0, 0]; }";
+    workshop.write("odd.mbs", text.to_string());
+    let summary = workshop.good(&["check", "odd.mbs"]);
+    assert!(summary.contains(" identities, chance of a false proof below 1e-"), "{summary}");
+    assert!(summary.contains(" in doubles (") && summary.contains("of a high degree"), "{summary}");
+    let details = workshop.good(&["check", "odd.mbs", "--verbose"]);
+    assert!(details.starts_with(&summary) && details.contains("  3 points, one in each field of 2305843009208591759, "));
+    assert!(details.lines().any(|line| line.starts_with("  in doubles: output, ")), "{details}");
+    let report: serde_json::Value = serde_json::from_str(&workshop.good(&["check", "odd.mbs", "--json"])).unwrap();
+    let proof = &report["proof"];
+    assert_eq!((proof["points"].as_u64(), proof["moduli"].as_array().map(Vec::len)), (Some(3), Some(3)), "{proof}");
+    assert!(proof["exact"].as_u64().unwrap() > 20 && proof["degree"].as_u64().unwrap() > 1, "{proof}");
+    assert!(proof["in_doubles"].as_array().is_some_and(|claims| claims.iter().any(|c| c["claim"] == "output")));
 }
 
 #[test]

@@ -40,6 +40,8 @@ impl<S: Value> Dual<S> {
 }
 
 impl<S: Value> Value for Dual<S> {
+    const TAKES_BOTH_SIDES: bool = S::TAKES_BOTH_SIDES;
+
     fn constant(value: f64) -> Self {
         Dual::fixed(S::constant(value))
     }
@@ -98,6 +100,12 @@ impl<S: Value> Value for Dual<S> {
     }
     fn less_equal(self, other: Self) -> bool {
         self.value.less_equal(other.value)
+    }
+    fn condition(self, other: Self, or_equal: bool) -> Self {
+        Dual::fixed(self.value.condition(other.value, or_equal))
+    }
+    fn select(self, a: Self, b: Self) -> Self {
+        Dual::new(self.value.select(a.value, b.value), self.value.select(a.derivative, b.derivative))
     }
     /// From `M x = b` follows `M x′ = b′ − M′ x`: one factorization, of numbers without derivatives.
     fn solve_symmetric(triangle: &[Self], columns: &mut [Vec<Self>]) {

@@ -29,6 +29,8 @@ pub struct Terms<V> {
 
 /// What expressions can be evaluated over.
 pub trait Value: Copy {
+    /// Whether conditions are numbers between 0 and 1, so to say, and both sides of a choice are evaluated.
+    const TAKES_BOTH_SIDES: bool = false;
     /// An exact constant, rounded.
     fn constant(value: f64) -> Self;
     /// A constant of the graph.
@@ -65,6 +67,14 @@ pub trait Value: Copy {
     fn less(self, other: Self) -> bool;
     /// Whether `a <= b`, as IEEE 754 has it: not where one of them is NaN.
     fn less_equal(self, other: Self) -> bool;
+    /// `a < b`, or `a <= b`, as a number.
+    fn condition(self, other: Self, or_equal: bool) -> Self {
+        truth(if or_equal { self.less_equal(other) } else { self.less(other) })
+    }
+    /// `if self { a } else { b }` of a condition.
+    fn select(self, a: Self, b: Self) -> Self {
+        if holds(self) { a } else { b }
+    }
     /// Whether it is zero and known to be exactly that, so that products with it can be left out.
     fn is_exactly_zero(self) -> bool {
         false
@@ -110,6 +120,53 @@ pub trait Value: Copy {
         least
     }
 }
+
+/// The operators, for formulas.
+macro_rules! operators {
+    ([$($generic:tt)*] $number:ty) => {
+        impl<$($generic)*> std::ops::Add for $number {
+            type Output = Self;
+            fn add(self, other: Self) -> Self {
+                $crate::expr::Value::add(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Sub for $number {
+            type Output = Self;
+            fn sub(self, other: Self) -> Self {
+                $crate::expr::Value::sub(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Mul for $number {
+            type Output = Self;
+            fn mul(self, other: Self) -> Self {
+                $crate::expr::Value::mul(self, other)
+            }
+        }
+
+        impl<$($generic)*> std::ops::Neg for $number {
+            type Output = Self;
+            fn neg(self) -> Self {
+                $crate::expr::Value::neg(self)
+            }
+        }
+
+        impl<$($generic)*> std::iter::Sum for $number {
+            fn sum<I: Iterator<Item = Self>>(terms: I) -> Self {
+                terms.fold(Self::default(), |sum, term| sum + term)
+            }
+        }
+
+        impl<$($generic)*> Default for $number {
+            fn default() -> Self {
+                $crate::expr::Value::constant(0.0)
+            }
+        }
+    };
+}
+
+pub(super) use operators;
 
 impl Value for f64 {
     fn constant(value: f64) -> f64 {
@@ -345,6 +402,11 @@ pub(crate) fn value_of<V: Value>(
         Node::Call(function, a) => v(a).call(function),
         Node::Call2(function, a, b) => v(a).call2(function, v(b)),
         Node::Spline(derivative, a) => spline(derivative, v(a)),
+        Node::Less(a, b) if V::TAKES_BOTH_SIDES => v(a).condition(v(b), false),
+        Node::LessEqual(a, b) if V::TAKES_BOTH_SIDES => v(a).condition(v(b), true),
+        Node::And(a, b) if V::TAKES_BOTH_SIDES => v(a).mul(v(b)),
+        Node::Not(a) if V::TAKES_BOTH_SIDES => V::constant(1.0).sub(v(a)),
+        Node::Select(c, a, b) if V::TAKES_BOTH_SIDES => v(c).select(v(a), v(b)),
         Node::Less(a, b) => truth(decide(v(a).less(v(b)))),
         Node::LessEqual(a, b) => truth(decide(v(a).less_equal(v(b)))),
         Node::And(a, b) => truth(holds(v(a)) && holds(v(b))),

@@ -59,6 +59,12 @@ pub(super) fn symmetric_times<V: Value>(triangle: &[V], x: &[V]) -> Vec<V> {
     (0..x.len()).map(row).collect()
 }
 
+/// The rows of a symmetric matrix given by its lower triangle.
+pub(super) fn symmetric<V: Copy>(n: usize, triangle: &[V]) -> Vec<Vec<V>> {
+    let entry = |i: usize, j: usize| triangle[i.max(j) * (i.max(j) + 1) / 2 + i.min(j)];
+    (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -15,7 +15,8 @@ use super::dual::Dual;
 use super::evaluate::{Tape, Value, value_of};
 use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, Id, Node, Symbol};
-use super::residue::{Residue, mixed};
+use super::field::mixed;
+use super::residue::Residue;
 use super::spline::SplineDerivative;
 
 /// What was found.

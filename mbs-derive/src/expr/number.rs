@@ -3,12 +3,19 @@
 use std::fmt;
 use std::ops::{Add, Mul, Neg};
 
+use super::evaluate::Value;
+use super::function::{Binary, Function};
+use super::image::{Image, Images, NO_IMAGES, UNDEFINED};
+use super::rounded::Rounded;
+use super::spline::Spline;
+
 /// A constant of the graph.
 ///
 /// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so (a
 /// square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact
-/// numbers leaves no trace in rounded ones. Equality and hashing are by bits of the values, so that numbers can be
-/// hash-consed.
+/// numbers leaves no trace in rounded ones. A `Real` carries its images in prime fields beside its double, formed by
+/// the same operations: by them it is told from others of the same double, and proved with. Equality and hashing are by
+/// bits of the values and by the images, so that numbers can be hash-consed.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {
@@ -21,13 +28,29 @@ pub enum Number {
         /// Power of π.
         pi: i8,
     },
-    /// A double; never a value that `Exact` holds by construction.
+    /// A double.
     Real {
         /// What the double holds.
         value: f64,
         /// How far, to first order, rounding may have carried it from the constant that is meant.
         error: f64,
+        /// The constant that is meant in prime fields; the greatest number where it has no value there.
+        images: Images,
     },
+}
+
+/// What is computed of the images of numbers, in every field.
+macro_rules! in_every_field {
+    ($a:ident => $image:expr) => {
+        [in_every_field!(0; $a; $image), in_every_field!(1; $a; $image), in_every_field!(2; $a; $image)]
+    };
+    ($a:ident, $b:ident => $image:expr) => {
+        [in_every_field!(0; $a $b; $image), in_every_field!(1; $a $b; $image), in_every_field!(2; $a $b; $image)]
+    };
+    ($k:literal; $($number:ident)*; $image:expr) => {{
+        $(let $number = Image::<$k>::number($number);)*
+        ($image).value()
+    }};
 }
 
 impl Number {
@@ -76,7 +99,7 @@ impl Number {
             let scale = 10i128.checked_pow(exponent.unsigned_abs())?;
             if exponent >= 0 { Self::rational(digits.checked_mul(scale)?, 1) } else { Self::rational(digits, scale) }
         };
-        Some(exactly().unwrap_or(Number::rounded(nearest, 0.0)))
+        Some(exactly().unwrap_or_else(|| Number::of_double(nearest)))
     }
 
     /// The shortest decimal that reads back as `value`, exactly; `None` if it is not finite.
@@ -103,6 +126,11 @@ impl Number {
             Number::Exact { numerator, .. } => numerator == 0,
             Number::Real { value, .. } => value == 0.0,
         }
+    }
+
+    /// Whether nothing but its double is known.
+    pub(crate) fn is_rounded(self) -> bool {
+        matches!(self, Number::Real { images, .. } if images.contains(&UNDEFINED))
     }
 
     /// Whether it is 1.
@@ -136,11 +164,13 @@ impl Number {
             }
             Number::Real { .. } => None,
         };
+        let base = self;
         let rounded = || {
             let power = integer_power(self.to_f64(), exponent);
             // n relative errors, and one rounding a product.
             let relative = self.error() / self.to_f64().abs() + f64::EPSILON;
-            Self::rounded(power, f64::from(exponent.unsigned_abs()) * relative * power.abs())
+            let error = f64::from(exponent.unsigned_abs()) * relative * power.abs();
+            Self::computed(power, error, in_every_field!(base => base.power(halves)))
         };
         let value = exactly().unwrap_or_else(rounded);
         value.to_f64().is_finite().then_some(value)
@@ -156,25 +186,63 @@ impl Number {
             }
             _ => None,
         };
+        let square = self;
         let rounded = || {
             let root = libm::sqrt(self.to_f64());
-            Number::rounded(root, self.error() / (2.0 * root))
+            Number::computed(root, self.error() / (2.0 * root), in_every_field!(square => square.power(1)))
         };
         Some(exactly().unwrap_or_else(rounded))
     }
 
-    /// The result of an operation that is rounded once, of operands that bring in this error; held exactly where it is
-    /// a small integer (0 and 1 above all), and 0 where it may be nothing but error.
+    /// A double as it is.
+    pub(crate) fn of_double(value: f64) -> Number {
+        let (first, second, third) = (Image::<0>::dyadic(value), Image::<1>::dyadic(value), Image::<2>::dyadic(value));
+        Self::computed(value, 0.0, [first.value(), second.value(), third.value()])
+    }
+
+    /// The result of an operation that is rounded once, of operands that bring in this error, and of which no more is
+    /// known than the double.
     pub fn rounded(value: f64, inherited: f64) -> Number {
+        Self::computed(value, inherited, NO_IMAGES)
+    }
+
+    /// The result of an operation that is rounded once, of operands that bring in this error, with its images; held
+    /// exactly where it is a small integer (0 and 1 above all), and 0 where it may be nothing but error, unless the
+    /// images tell otherwise.
+    pub(super) fn computed(value: f64, inherited: f64, images: Images) -> Number {
         // Where a slope is vertical nothing is known of the error.
         let inherited = if inherited.is_finite() { inherited } else { 0.0 };
-        if value.abs() <= inherited {
+        let may_be = |integer: i64| {
+            let number = Number::integer(integer);
+            let images_of_integer = in_every_field!(number => number);
+            images.iter().zip(images_of_integer).any(|(&image, of_integer)| image == UNDEFINED || image == of_integer)
+        };
+        if value.abs() <= inherited && (value == 0.0 || may_be(0)) {
             Number::ZERO
-        } else if value.fract() == 0.0 && value.abs() < 1e9 {
+        } else if value.fract() == 0.0 && value.abs() < 1e9 && may_be(value as i64) {
             Number::integer(value as i64)
         } else {
-            Number::Real { value, error: inherited + value.abs() * f64::EPSILON }
+            Number::Real { value, error: inherited + value.abs() * f64::EPSILON, images }
         }
+    }
+
+    /// `f(self)`, where it is not held exactly.
+    pub(super) fn call(self, function: Function) -> Number {
+        let (x, error) = (self, Rounded::from(self).call(function).error);
+        Number::computed(function.folded(self.to_f64()), error, in_every_field!(x => x.call(function)))
+    }
+
+    /// `f(self, other)`
+    pub(super) fn call2(self, function: Binary, other: Number) -> Number {
+        let (x, error) = (self, Rounded::from(self).call2(function, Rounded::from(other)).error);
+        let images = in_every_field!(x, other => x.call2(function, other));
+        Number::computed(function.folded(self.to_f64(), other.to_f64()), error, images)
+    }
+
+    /// A derivative of a spline there.
+    pub(crate) fn spline(self, spline: &Spline, order: usize) -> Number {
+        let (x, Rounded { value, error }) = (self, Rounded::from(self).spline(spline, order));
+        Number::computed(value, error, in_every_field!(x => x.spline(spline, order)))
     }
 
     /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over;
@@ -184,9 +252,11 @@ impl Number {
             (Number::Exact { .. }, Number::Exact { .. }) => other.power(-2).map(|reciprocal| self * reciprocal),
             _ => None,
         };
+        let dividend = self;
         let rounded = || {
             let quotient = self.to_f64() / other.to_f64();
-            quotient.is_finite().then(|| Number::rounded(quotient, 0.0))
+            let images = || in_every_field!(dividend, other => dividend.div(other));
+            quotient.is_finite().then(|| Number::computed(quotient, 0.0, images()))
         };
         if other.is_zero() { None } else { exactly.or_else(rounded) }
     }
@@ -227,8 +297,8 @@ impl Add for Number {
             _ => None,
         };
         exactly().unwrap_or_else(|| {
-            let (sum, error) = (self.to_f64() + other.to_f64(), self.error() + other.error());
-            if sum.abs() <= error { Number::ZERO } else { Number::rounded(sum, error) }
+            let (a, sum, error) = (self, self.to_f64() + other.to_f64(), self.error() + other.error());
+            Number::computed(sum, error, in_every_field!(a, other => a + other))
         })
     }
 }
@@ -245,8 +315,9 @@ impl Mul for Number {
             _ => None,
         };
         exactly().unwrap_or_else(|| {
-            let (a, b) = (self.to_f64(), other.to_f64());
-            Number::rounded(a * b, a.abs() * other.error() + b.abs() * self.error())
+            let (a, x, y) = (self, self.to_f64(), other.to_f64());
+            let error = x.abs() * other.error() + y.abs() * self.error();
+            Number::computed(x * y, error, in_every_field!(a, other => a * other))
         })
     }
 }
@@ -257,7 +328,10 @@ impl Neg for Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
-            Number::Real { value, error } => Number::Real { value: -value, error },
+            Number::Real { value, error, .. } => {
+                let a = self;
+                Number::Real { value: -value, error, images: in_every_field!(a => -a) }
+            }
         }
     }
 }
@@ -277,10 +351,10 @@ impl std::hash::Hash for Number {
 }
 
 impl Number {
-    fn bits(self) -> (i128, i128, i8) {
+    fn bits(self) -> (i128, i128, i8, Images) {
         match self {
-            Number::Exact { numerator, denominator, pi } => (numerator, denominator, pi),
-            Number::Real { value, .. } => (i128::from(value.to_bits()), 0, 0),
+            Number::Exact { numerator, denominator, pi } => (numerator, denominator, pi, Images::default()),
+            Number::Real { value, images, .. } => (i128::from(value.to_bits()), 0, 0, images),
         }
     }
 }

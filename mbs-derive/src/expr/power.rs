@@ -1,10 +1,8 @@
 //! Powers and functions of one expression, with their local rules.
 
-use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, HalfInteger, Id, LARGEST_EXPONENT, Node};
 use super::number::Number;
-use super::rounded::Rounded;
 
 impl<'g> Expr<'g> {
     /// `self^n`
@@ -72,9 +70,7 @@ impl<'g> Expr<'g> {
             return graph.intern(Node::Call(function, self.id));
         }
         if let Some(value) = self.as_constant() {
-            let rounded =
-                || Number::rounded(function.folded(value.to_f64()), Rounded::from(value).call(function).error);
-            let folded = exact_value(function, value).unwrap_or_else(rounded);
+            let folded = exact_value(function, value).unwrap_or_else(|| value.call(function));
             if folded.to_f64().is_finite() {
                 return graph.constant(folded);
             }
@@ -117,10 +113,9 @@ impl<'g> Expr<'g> {
         if !graph.verbatim
             && let (Some(a), Some(b)) = (self.as_constant(), other.as_constant())
         {
-            let folded = function.folded(a.to_f64(), b.to_f64());
-            if folded.is_finite() {
-                let error = Rounded::from(a).call2(function, Rounded::from(b)).error;
-                return graph.constant(Number::rounded(folded, error));
+            let folded = a.call2(function, b);
+            if folded.to_f64().is_finite() {
+                return graph.constant(folded);
             }
         }
         graph.intern(Node::Call2(function, self.id, other.id))
@@ -144,6 +139,8 @@ fn exact_value(function: Function, argument: Number) -> Option<Number> {
             Some(Number::ZERO)
         }
         Function::Exp | Function::Cosh | Function::Sech if argument.is_zero() => Some(Number::ONE),
+        Function::Signum if argument.is_zero() => Some(Number::ZERO),
+        Function::Signum => Some(Number::integer(if argument.is_negative() { -1 } else { 1 })),
         Function::Abs => Some(if argument.is_negative() { -argument } else { argument }),
         _ => None,
     }

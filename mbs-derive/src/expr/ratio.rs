@@ -3,7 +3,7 @@
 use super::number::Number;
 
 /// In lowest terms, with a positive denominator.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Ratio {
     pub(super) numerator: i64,
     pub(super) denominator: i64,

@@ -26,48 +26,11 @@
 //! decided in both.
 
 use super::evaluate::Value;
+use super::field::{BASE, Prime, inverse, mixed, negative_of, product, sum};
 use super::function::{Binary, Function};
 use super::number::Number;
 use super::ratio::Ratio;
 use super::spline::Spline;
-
-/// This many fields decide.
-pub(crate) const FIELDS: usize = 2;
-
-/// A field, and points of its circle.
-struct Field {
-    /// The size of the field, `720 n − 1`, with which `h = (p − 1)/2` is prime as well.
-    p: u64,
-    /// `(p + 1)/720`
-    n: u64,
-    /// `2⁶¹ − p`
-    fold: u64,
-    /// A point of order n.
-    circle: (u64, u64),
-    /// A point of order 720 whose multiples are 90° = (0, 1), 45° = (√2, √2)/2, 60° = (1, √3)/2, and 36° with the
-    /// cosine (1 + √5)/4; the first that is found among the n-th powers of `((1 − t²)/(1 + t²), 2t/(1 + t²))`.
-    half_degree: (u64, u64),
-}
-
-const ALL: [Field; FIELDS] = [
-    Field {
-        p: 2_305_843_009_208_591_759,
-        n: 3_202_559_735_011_933,
-        fold: (1 << 61) - 2_305_843_009_208_591_759,
-        circle: (1_733_659_751_054_248_685, 761_210_962_574_323_124),
-        half_degree: (1_964_450_089_492_106_191, 2_259_175_976_771_650_554),
-    },
-    Field {
-        p: 2_305_843_009_207_890_479,
-        n: 3_202_559_735_010_959,
-        fold: (1 << 61) - 2_305_843_009_207_890_479,
-        circle: (1_718_969_204_003_166_294, 192_908_251_710_863_377),
-        half_degree: (1_410_380_946_736_960_010, 601_431_223_218_329_537),
-    },
-];
-
-/// The base of exponentials, of order h: a square.
-const BASE: u64 = 4;
 
 /// A number of the field, or the mark of what has no value there: 1/0, the root of what is no square.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,9 +53,9 @@ const UNDEFINED: u64 = u64::MAX;
 const PI: u64 = mixed(0x7069);
 
 impl<const K: usize> Residue<K> {
-    const P: u64 = ALL[K].p;
-    const N: u64 = ALL[K].n;
-    const H: u64 = (Self::P - 1) / 2;
+    const P: u64 = Prime::<K>::P;
+    const N: u64 = Prime::<K>::N;
+    const H: u64 = Prime::<K>::H;
 
     const NOT_DEFINED: Self = Self::plain(UNDEFINED, 0, None);
 
@@ -137,7 +100,7 @@ impl<const K: usize> Residue<K> {
 
     /// A value of which nothing else is known; odd.
     fn opaque(value: u64) -> Self {
-        let (size, negative) = Self::sign(value);
+        let (size, negative) = Prime::<K>::sign(value);
         let angle = mixed(size ^ 0x616e_676c) % Self::N;
         Self::plain(value, if negative { negative_of(angle, Self::N) } else { angle }, None)
     }
@@ -157,20 +120,20 @@ impl<const K: usize> Residue<K> {
         let half_degrees = self.half_turns.times(Ratio { numerator: 360, denominator: 1 });
         match half_degrees.and_then(Ratio::integer) {
             Some(count) => {
-                let part = Self::power_of(ALL[K].half_degree, count.rem_euclid(720) as u64);
-                Self::multiplied(Self::power_of(ALL[K].circle, self.angle), part)
+                let part = Prime::<K>::power_of(Prime::<K>::HALF_DEGREE, count.rem_euclid(720) as u64);
+                Prime::<K>::multiplied(Prime::<K>::power_of(Prime::<K>::CIRCLE, self.angle), part)
             }
-            None => Self::power_of(ALL[K].circle, self.whole_angle()),
+            None => Prime::<K>::power_of(Prime::<K>::CIRCLE, self.whole_angle()),
         }
     }
 
     fn exponential(self) -> u64 {
         if let Some(exponent) = self.exponent {
-            return Self::raised(BASE, exponent);
+            return Prime::<K>::raised(BASE, exponent);
         }
-        let (size, negative) = Self::sign(self.value);
+        let (size, negative) = Prime::<K>::sign(self.value);
         let value = if size == 0 { 1 } else { mixed(size ^ 0x6578_7000) % (Self::P - 1) + 1 };
-        if negative { Self::inverted(value) } else { value }
+        if negative { Prime::<K>::inverted(value) } else { value }
     }
 
     /// The root that is a square, of a square.
@@ -178,8 +141,8 @@ impl<const K: usize> Residue<K> {
         if let Some(root) = self.rational.and_then(Ratio::root) {
             return Self::rational(root);
         }
-        let root = Self::raised(self.value, Self::P.div_ceil(4));
-        if Self::times(root, root) == self.value { Self::opaque(root) } else { Self::NOT_DEFINED }
+        let root = Prime::<K>::raised(self.value, Self::P.div_ceil(4));
+        if Prime::<K>::times(root, root) == self.value { Self::opaque(root) } else { Self::NOT_DEFINED }
     }
 
     fn to_integer_power(self, n: u32) -> Self {
@@ -270,7 +233,7 @@ impl<const K: usize> Value for Residue<K> {
         if !(self.is_defined() && other.is_defined()) {
             return Self::NOT_DEFINED;
         }
-        let value = Self::times(self.value, other.value);
+        let value = Prime::<K>::times(self.value, other.value);
         let exponent = self.exponent.zip(other.exponent).map(|(a, b)| product(a, b, Self::H));
         let without = |angle| Self::plain(value, angle, exponent);
         if self.half_turns == Ratio::ZERO && other.half_turns == Ratio::ZERO {
@@ -297,7 +260,7 @@ impl<const K: usize> Value for Residue<K> {
             Some(ratio) => Self::rational(ratio),
             None => {
                 let exponent = other.exponent.map(|exponent| inverse(exponent, Self::H));
-                Self::plain(Self::inverted(other.value), inverse(other.whole_angle(), Self::N), exponent)
+                Self::plain(Prime::<K>::inverted(other.value), inverse(other.whole_angle(), Self::N), exponent)
             }
         };
         self.mul(reciprocal)
@@ -374,7 +337,7 @@ impl<const K: usize> Value for Residue<K> {
         }
         let difference = other.sub(self);
         difference.is_defined() && !difference.is_zero() && {
-            let (size, negative) = Self::sign(difference.value);
+            let (size, negative) = Prime::<K>::sign(difference.value);
             (mixed(size) % 2 == 1) != negative
         }
     }
@@ -389,64 +352,11 @@ impl<const K: usize> Value for Residue<K> {
     }
 }
 
-/// Arithmetic modulo p.
-impl<const K: usize> Residue<K> {
-    /// `2⁶¹ ≡ 2⁶¹ − p`, which is small.
-    const fn times(a: u64, b: u64) -> u64 {
-        const LOW: u128 = (1 << 61) - 1;
-        let (p, fold) = (ALL[K].p, ALL[K].fold);
-        let product = a as u128 * b as u128;
-        let once = (product & LOW) + (product >> 61) * fold as u128;
-        let twice = (once & LOW) as u64 + (once >> 61) as u64 * fold;
-        if twice >= p { twice - p } else { twice }
-    }
-
-    fn raised(base: u64, mut exponent: u64) -> u64 {
-        let (mut result, mut square) = (1, base);
-        while exponent > 0 {
-            if exponent % 2 == 1 {
-                result = Self::times(result, square);
-            }
-            square = Self::times(square, square);
-            exponent /= 2;
-        }
-        result
-    }
-
-    /// Of a number that is not zero.
-    fn inverted(a: u64) -> u64 {
-        Self::raised(a, Self::P - 2)
-    }
-
-    /// The one of `a` and `−a` that is below p/2, and whether that is not `a`.
-    fn sign(a: u64) -> (u64, bool) {
-        if a > Self::P / 2 { (Self::P - a, true) } else { (a, false) }
-    }
-
-    /// Angles of two points of the circle are added.
-    fn multiplied((c, s): (u64, u64), (d, r): (u64, u64)) -> (u64, u64) {
-        let [cd, sr, cr, sd] = [(c, d), (s, r), (c, r), (s, d)].map(|(a, b)| Self::times(a, b));
-        (sum(cd, negative_of(sr, Self::P), Self::P), sum(cr, sd, Self::P))
-    }
-
-    fn power_of(point: (u64, u64), mut exponent: u64) -> (u64, u64) {
-        let (mut result, mut square) = ((1, 0), point);
-        while exponent > 0 {
-            if exponent % 2 == 1 {
-                result = Self::multiplied(result, square);
-            }
-            square = Self::multiplied(square, square);
-            exponent /= 2;
-        }
-        result
-    }
-}
-
 /// Numbers of other kinds.
 impl<const K: usize> Residue<K> {
     /// An odd function of the value, another one for each tag.
     fn keyed(tag: u64, value: u64) -> Self {
-        let (size, negative) = Self::sign(value);
+        let (size, negative) = Prime::<K>::sign(value);
         let image = if size == 0 { 0 } else { mixed(mixed(size) ^ tag) % Self::P };
         Self::opaque(if negative { negative_of(image, Self::P) } else { image })
     }
@@ -469,42 +379,6 @@ impl<const K: usize> Residue<K> {
         let (mantissa, exponent) = libm::frexp(value);
         Self::long((mantissa * (1u64 << 53) as f64) as i128).mul(Self::long(2).power(2 * (exponent - 53)))
     }
-}
-
-// ---- arithmetic modulo any prime below 2⁶¹
-
-fn sum(a: u64, b: u64, modulus: u64) -> u64 {
-    let sum = a + b;
-    if sum >= modulus { sum - modulus } else { sum }
-}
-
-fn negative_of(a: u64, modulus: u64) -> u64 {
-    if a == 0 { 0 } else { modulus - a }
-}
-
-fn product(a: u64, b: u64, modulus: u64) -> u64 {
-    (u128::from(a) * u128::from(b) % u128::from(modulus)) as u64
-}
-
-/// 0 of 0: no angle, but the number itself may be fine.
-fn inverse(a: u64, modulus: u64) -> u64 {
-    let (mut result, mut square, mut exponent) = (1, a, modulus - 2);
-    while exponent > 0 {
-        if exponent % 2 == 1 {
-            result = product(result, square, modulus);
-        }
-        square = product(square, square, modulus);
-        exponent /= 2;
-    }
-    result
-}
-
-/// The finalizer of splitmix64 (Steele, Lea, Flood, *Fast splittable pseudorandom number generators*, 2014).
-pub(super) const fn mixed(key: u64) -> u64 {
-    let mut z = key.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

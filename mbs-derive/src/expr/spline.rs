@@ -4,7 +4,6 @@ use std::hash::Hasher;
 
 use super::evaluate::Value;
 use super::graph::{Expr, Graph, MixHasher, Node};
-use super::number::Number;
 
 /// Polynomials in the distance from a place, one on each interval between given places.
 ///
@@ -109,10 +108,7 @@ impl Graph {
             return self.integer(0);
         }
         match x.as_constant() {
-            Some(x) if !self.verbatim => {
-                let value = spline.derivative(super::Rounded::from(x), derivative.order as usize);
-                self.constant(Number::rounded(value.value, value.error))
-            }
+            Some(x) if !self.verbatim => self.constant(x.spline(&spline, derivative.order as usize)),
             _ => self.intern(Node::Spline(derivative, x.id)),
         }
     }
@@ -121,7 +117,7 @@ impl Graph {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::{Dual, Symbol, Tangent, Tape, evaluate, gradient, hessian};
+    use crate::expr::{Dual, Number, Symbol, Tangent, Tape, evaluate, gradient, hessian};
 
     /// −x before −1, 1 up to 0, and behind 0 the cubic 1 + 2 x + 3 x² + 4 x³.
     fn pieces() -> Spline {

@@ -13,9 +13,95 @@ use super::group::Group;
 use super::inertia;
 use super::linear::{add, times};
 use super::motion::Motion;
+use super::tested::Tested;
 use super::witness::lift_all;
 
-impl<'a> Trial<'a> {
+impl<'a, V: Tested> Trial<'a, V> {
+    /// The derivative of accelerations along that of a state and of the parameters of a mechanism.
+    fn acceleration_slope(
+        &self,
+        varied: &Interpreter<'_, Dual<V>>,
+        state: &State<Dual<V>>,
+    ) -> Vec<V> {
+        match self.derivation.function(Kind::ForwardDynamics) {
+            Some(function) if function.completion == Completion::SolveConstrained => {
+                self.motion(function).slope(self.n(), &varied.system_of_motion(function, state))
+            }
+            _ => called(varied, Kind::ForwardDynamics, state).iter().map(|v| v.derivative).collect(),
+        }
+    }
+
+    pub(super) fn motion(&self, forward_dynamics: &Function) -> &Motion<'a, V> {
+        self.motion.get_or_init(|| {
+            Motion::new(self.n(), self.interpreter.system_of_motion(forward_dynamics, self.state), self.vectors())
+        })
+    }
+
+    /// `Aᵀ λ`
+    pub(super) fn constraint_force(&self) -> Vec<V> {
+        let (a, l) = (self.rows(Kind::ConstraintJacobian), self.rows(Kind::Multipliers));
+        let n = self.n();
+        (0..n).map(|i| l.iter().enumerate().map(|(k, &l)| a[k * n + i] * l).sum()).collect()
+    }
+
+    pub(super) fn forward_dynamics(&self) -> Result<(), Failure> {
+        if V::CLAIMS_SYSTEMS && self.is_constrained() {
+            return self.systems_of_motion();
+        }
+        let (m, qdd) = (self.call(Kind::MassMatrix), self.call(Kind::ForwardDynamics));
+        let product = times(&m, &qdd);
+        let (h, d, q) = (self.call(Kind::Bias), self.call(Kind::DissipationForce), self.call(Kind::GeneralizedForce));
+        let reaction = self.constraint_force();
+        let residual: Vec<V> = (0..self.n()).map(|i| product[i] + h[i] + d[i] - reaction[i]).collect();
+        self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
+        let (bias, a) = (self.rows(Kind::ConstraintBias), self.rows(Kind::ConstraintJacobian));
+        V::rows_of_motion(self, &a, &qdd, &bias)
+    }
+
+    /// The function, if what is claimed of it is the system with constraints that it sets up.
+    fn set_up_by(&self, kind: Kind) -> Option<&'a Function> {
+        self.derivation.function(kind).filter(|_| V::CLAIMS_SYSTEMS && self.is_constrained())
+    }
+
+    pub(super) fn linearization(&self) -> Result<(), Failure> {
+        if let Some(function) = self.set_up_by(Kind::Linearize) {
+            return self.systems_of_linearization(function);
+        }
+        let n = self.n();
+        let found = self.call(Kind::Linearize);
+        let inputs = self.state.u.len();
+        let kinds: [fn(u32) -> Symbol; 3] = [Symbol::Coordinate, Symbol::Velocity, Symbol::Input];
+        let mut start = 0;
+        for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
+            for group in Group::of(width) {
+                let varied = self.state.along(|other| group.weight_of(other, symbol));
+                let expected = self.acceleration_slope(&self.dual, &varied);
+                let found = group.combined(&found[start..start + n * width], n);
+                self.equal("linearization", &found, &expected)?;
+            }
+            start += n * width;
+        }
+        Ok(())
+    }
+
+    pub(super) fn linearization_in_parameters(&self) -> Result<(), Failure> {
+        if let Some(function) = self.set_up_by(Kind::LinearizeParameters) {
+            return self.systems_of_linearization_in_parameters(function);
+        }
+        let found = self.call(Kind::LinearizeParameters);
+        let state = self.state.along(|_| V::default());
+        for group in Group::of(self.parameters.len()) {
+            let mut parameters = lift_all(self.parameters);
+            group.columns().for_each(|j| parameters[j].derivative = group.weight(j));
+            let varied = Interpreter::with_parameters(self.derivation, parameters);
+            let expected = self.acceleration_slope(&varied, &state);
+            self.equal("linearization in the parameters", &group.combined(&found, self.n()), &expected)?;
+        }
+        Ok(())
+    }
+}
+
+impl Trial<'_> {
     /// What elimination shows of M, and of `M + Aᵀ A`, which is singular where a motion that the constraints allow has
     /// no inertia; each with the size of a pivot that may be nothing but rounding.
     pub(super) fn inertia(&self) -> [(Elimination, f64); 2] {
@@ -66,56 +152,23 @@ impl<'a> Trial<'a> {
         elimination.smallest > rounding.max(1e-6)
     }
 
-    /// The derivative of accelerations along that of a state and of the parameters of a mechanism.
-    fn acceleration_slope(
-        &self,
-        varied: &Interpreter<'_, Dual<Rounded>>,
-        state: &State<Dual<Rounded>>,
-    ) -> Vec<Rounded> {
-        match self.derivation.function(Kind::ForwardDynamics) {
-            Some(function) if function.completion == Completion::SolveConstrained => {
-                self.motion(function).slope(self.n(), &varied.system_of_motion(function, state))
-            }
-            _ => called(varied, Kind::ForwardDynamics, state).iter().map(|v| v.derivative).collect(),
-        }
-    }
-
-    pub(super) fn motion(&self, forward_dynamics: &Function) -> &Motion<'a> {
-        self.motion.get_or_init(|| {
-            Motion::new(self.n(), self.interpreter.system_of_motion(forward_dynamics, self.state), self.vectors())
-        })
-    }
-
-    /// `Aᵀ λ`
-    pub(super) fn constraint_force(&self) -> Vec<Rounded> {
-        let (a, l) = (self.rows(Kind::ConstraintJacobian), self.rows(Kind::Multipliers));
-        let n = self.n();
-        (0..n).map(|i| l.iter().enumerate().map(|(k, &l)| a[k * n + i] * l).sum()).collect()
-    }
-
-    pub(super) fn forward_dynamics(&self) -> Result<(), Failure> {
-        let (m, qdd) = (self.call(Kind::MassMatrix), self.call(Kind::ForwardDynamics));
-        let product = times(&m, &qdd);
-        let (h, d, q) = (self.call(Kind::Bias), self.call(Kind::DissipationForce), self.call(Kind::GeneralizedForce));
-        let reaction = self.constraint_force();
-        let residual: Vec<Rounded> = (0..self.n()).map(|i| product[i] + h[i] + d[i] - reaction[i]).collect();
-        self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
-        let (bias, a) = (self.rows(Kind::ConstraintBias), self.rows(Kind::ConstraintJacobian));
-        let product = times(&a, &qdd);
+    /// `A q̈ + γ = 0`, as far as the state holds the constraints.
+    pub(super) fn rows_of_motion(&self, a: &[Rounded], qdd: &[Rounded], bias: &[Rounded]) -> Result<(), Failure> {
+        let product = times(a, qdd);
         // A row that depends on others where the constraints hold does so no better than the state holds them.
         let open = |k: usize| {
             let size: f64 = (0..self.n()).map(|i| (a[k * self.n() + i].value * qdd[i].value).abs()).sum();
             Rounded { value: 0.0, error: 10.0 * CLOSED * (size + bias[k].value.abs()) }
         };
         let zero: Vec<Rounded> = (0..bias.len()).map(open).collect();
-        let rates = add(&product, &bias);
+        let rates = add(&product, bias);
         self.equal("A q̈ + γ = 0", &rates, &zero).or_else(|_| {
             let left: Vec<Rounded> =
-                zero.iter().zip(self.left_by_state(&a, &qdd)).map(|(&zero, left)| zero + left).collect();
+                zero.iter().zip(self.left_by_state(a, qdd)).map(|(&zero, left)| zero + left).collect();
             let found = self.equal("A q̈ + γ = 0", &rates, &left);
             found.or_else(|failure| match self.holds_constraints() {
                 true => Err(failure),
-                false => self.equal("A q̈ + γ = 0", &rates, &self.left_by_solution(&a, &qdd, &bias)),
+                false => self.equal("A q̈ + γ = 0", &rates, &self.left_by_solution(a, qdd, bias)),
             })
         })
     }
@@ -152,36 +205,5 @@ impl<'a> Trial<'a> {
             Rounded { value: 0.0, error: (0..n).map(along).sum::<f64>() + bias.error }
         };
         bias.iter().enumerate().map(left).collect()
-    }
-
-    pub(super) fn linearization(&self) -> Result<(), Failure> {
-        let n = self.n();
-        let found = self.call(Kind::Linearize);
-        let inputs = self.state.u.len();
-        let kinds: [fn(u32) -> Symbol; 3] = [Symbol::Coordinate, Symbol::Velocity, Symbol::Input];
-        let mut start = 0;
-        for (width, symbol) in [n, n, inputs].into_iter().zip(kinds) {
-            for group in Group::of(width) {
-                let varied = self.state.along(|other| group.weight_of(other, symbol));
-                let expected = self.acceleration_slope(&self.dual, &varied);
-                let found = group.combined(&found[start..start + n * width], n);
-                self.equal("linearization", &found, &expected)?;
-            }
-            start += n * width;
-        }
-        Ok(())
-    }
-
-    pub(super) fn linearization_in_parameters(&self) -> Result<(), Failure> {
-        let found = self.call(Kind::LinearizeParameters);
-        let state = self.state.along(|_| Rounded::default());
-        for group in Group::of(self.parameters.len()) {
-            let mut parameters = lift_all(self.parameters);
-            group.columns().for_each(|j| parameters[j].derivative = group.weight(j));
-            let varied = Interpreter::with_parameters(self.derivation, parameters);
-            let expected = self.acceleration_slope(&varied, &state);
-            self.equal("linearization in the parameters", &group.combined(&found, self.n()), &expected)?;
-        }
-        Ok(())
     }
 }

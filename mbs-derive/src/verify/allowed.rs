@@ -1,38 +1,41 @@
 //! Motions that the constraints allow: states that hold them, and what is conserved there.
 
 use crate::catalogue::FunctionKind as Kind;
-use crate::expr::{Rounded, Value, least_change};
+use crate::expr::{Rounded, least_change};
 use crate::interpret::State;
 use crate::numeric::elimination::{ROUNDING, scales};
 
 use super::Failure;
 use super::claim::{CLOSED, Trial, called, doubles, doubles_of};
 use super::linear::times;
+use super::tested::Tested;
 use super::witness::{exact, explicit_path, lift_all, path};
 
-impl Trial<'_> {
+impl<V: Tested> Trial<'_, V> {
     /// First integrals keep their values along the motion with `u = 0`, `D = 0`; and with everything on, the energy
     /// balance `d/dt (q̇·∂L/∂q̇ − L) = q̇·(Q − ∂D/∂q̇ + Aᵀ λ) − ∂L/∂t`.
     pub(super) fn conserved(&self) -> Result<(), Failure> {
         let n = self.n();
+        if V::CLAIMS_SYSTEMS && self.is_constrained() {
+            let count = self.derivation.function(Kind::Conserved).map_or(0, |f| f.program.results.len());
+            self.pass_over("conserved quantities", count)?;
+            return self.pass_over("energy balance", 1);
+        }
         // Constraint forces do no work along motions that the constraints allow.
         let free = State {
-            u: vec![Rounded::default(); self.state.u.len()],
-            qd: self.allowed_velocities().unwrap_or_else(|| vec![Rounded::exact(f64::NAN); n]),
+            u: vec![V::default(); self.state.u.len()],
+            qd: V::allowed_velocities(self),
             ..self.state.clone()
         };
         let [force, h] = [Kind::GeneralizedForce, Kind::Bias].map(|kind| called(&self.interpreter, kind, &free));
-        let unforced: Vec<Rounded> = (0..n).map(|i| force[i] - h[i]).collect();
+        let unforced: Vec<V> = (0..n).map(|i| force[i] - h[i]).collect();
         let (qdd, multipliers) = self.accelerations(&unforced, &free);
         let free = State { qdd, ..free };
-        if self.is_allowed(&free) {
+        if let Some(power) = V::power_left(self, &free, &multipliers) {
             let along = free.along(|symbol| path(&free, symbol));
             let rates = called(&self.dual, Kind::Conserved, &along);
-            let rates: Vec<Rounded> = rates.iter().map(|v| v.derivative).collect();
-            // What is left of the rates of constraints is no motion that they allow: there the forces do work.
-            let left = self.rows_at(Kind::ConstraintRate, &free);
-            let work: f64 = left.iter().zip(&multipliers).map(|(v, l)| (v.value * l.value).abs()).sum();
-            self.equal("conserved quantities", &rates, &vec![Rounded { value: 0.0, error: work }; rates.len()])?;
+            let rates: Vec<V> = rates.iter().map(|v| v.derivative).collect();
+            self.equal("conserved quantities", &rates, &vec![power; rates.len()])?;
         }
 
         let real = State { qdd: self.call(Kind::ForwardDynamics), ..self.state.clone() };
@@ -42,12 +45,32 @@ impl Trial<'_> {
         let [l, ..] = self.witness.energies(&along, &parameters);
         let by_time = real.along(|symbol| explicit_path(&real, symbol));
         let [l_t, ..] = self.witness.energies(&by_time, &parameters);
-        let momentum_dot_velocity_rate: Rounded =
+        let momentum_dot_velocity_rate: V =
             (0..n).map(|i| real.qdd[i] * momentum[i].value + real.qd[i] * momentum[i].derivative).sum();
         let (force, damping) = (self.call(Kind::GeneralizedForce), self.call(Kind::DissipationForce));
         let reaction = self.constraint_force();
-        let power: Rounded = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
+        let power: V = (0..n).map(|i| real.qd[i] * (force[i] - damping[i] + reaction[i])).sum();
         self.equal("energy balance", &[momentum_dot_velocity_rate - l.derivative], &[power - l_t.derivative])
+    }
+
+    /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
+    fn accelerations(&self, f: &[V], at: &State<V>) -> (Vec<V>, Vec<V>) {
+        let (n, mass, a) = (self.n(), self.call(Kind::MassMatrix), self.rows(Kind::ConstraintJacobian));
+        let triangle: Vec<V> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
+        let bias = self.rows_at(Kind::ConstraintBias, at);
+        let column: Vec<V> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
+        let mut solution = V::constrained(n, triangle, a, self.vectors())(&column);
+        let multipliers = solution.split_off(n);
+        (solution, multipliers)
+    }
+}
+
+impl Trial<'_> {
+    /// What is left of the rates of constraints is no motion that they allow: there the forces do work.
+    pub(super) fn power_left(&self, free: &State<Rounded>, multipliers: &[Rounded]) -> Option<Rounded> {
+        let left = || self.rows_at(Kind::ConstraintRate, free);
+        let work = || left().iter().zip(multipliers).map(|(v, l)| (v.value * l.value).abs()).sum();
+        self.is_allowed(free).then(|| Rounded { value: 0.0, error: work() })
     }
 
     /// Whether velocities and accelerations satisfy the constraints: off them, more rows than coordinates may
@@ -114,7 +137,7 @@ impl Trial<'_> {
 
     /// The velocities nearest to the state's with `A q̇ + b = 0`; `None` where they are so large that energies
     /// overflow: where a slope has faded, as that of tanh far away, a row may be held by it alone at no other.
-    fn allowed_velocities(&self) -> Option<Vec<Rounded>> {
+    pub(super) fn allowed_velocities(&self) -> Option<Vec<Rounded>> {
         if !self.is_constrained() {
             return Some(self.state.qd.clone());
         }
@@ -124,16 +147,5 @@ impl Trial<'_> {
         let is_moderate = change.iter().all(|change| change.abs() < 1e50);
         let changed = self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change));
         is_moderate.then(|| changed.collect())
-    }
-
-    /// q̈ and λ of `M q̈ = f + Aᵀ λ`, `A q̈ + γ = 0` at a state with this one's coordinates.
-    fn accelerations(&self, f: &[Rounded], at: &State<Rounded>) -> (Vec<Rounded>, Vec<Rounded>) {
-        let (n, mass, a) = (self.n(), self.call(Kind::MassMatrix), self.rows(Kind::ConstraintJacobian));
-        let triangle: Vec<Rounded> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
-        let bias = self.rows_at(Kind::ConstraintBias, at);
-        let column: Vec<Rounded> = f.iter().copied().chain(bias.iter().map(|&g| -g)).collect();
-        let mut solution = Rounded::constrained(n, triangle, a, self.vectors())(&column);
-        let multipliers = solution.split_off(n);
-        (solution, multipliers)
     }
 }

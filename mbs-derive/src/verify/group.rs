@@ -1,6 +1,8 @@
 //! Columns of a Jacobian that are proved together, so that the proof of thousands of them stays linear.
 
-use crate::expr::{Rounded, Symbol};
+use crate::expr::Symbol;
+
+use super::tested::Tested;
 
 /// Matrices of at most this many columns are proved column by column; of wider ones every column counts in one of this
 /// many sums.
@@ -29,29 +31,28 @@ impl Group {
         (self.first..self.width).step_by(self.step)
     }
 
-    /// What a column counts: 1 where it is alone, else irregular and of order one, by the golden ratio.
-    pub(super) fn weight(self, column: usize) -> Rounded {
-        let round = (column / self.step) as f64;
-        Rounded::exact(1.0 + (round * 0.618_033_988_749_894_9).fract())
+    /// What a column counts: 1 where it is alone, else what has no relation to that of others.
+    pub(super) fn weight<V: Tested>(self, column: usize) -> V {
+        V::weight(column / self.step)
     }
 
     /// What the symbol that a column belongs to counts, 0 for others.
-    pub(super) fn weight_of(self, other: Symbol, symbol: fn(u32) -> Symbol) -> Rounded {
+    pub(super) fn weight_of<V: Tested>(self, other: Symbol, symbol: fn(u32) -> Symbol) -> V {
         let number = match other {
             Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Input(i) => i,
             Symbol::Time
             | Symbol::Acceleration(_)
             | Symbol::Parameter(_)
             | Symbol::Prescribed(..)
-            | Symbol::Multiplier(_) => return Rounded::default(),
+            | Symbol::Multiplier(_) => return V::default(),
         };
         let is_among = symbol(number) == other && number as usize % self.step == self.first;
-        if is_among { self.weight(number as usize) } else { Rounded::default() }
+        if is_among { self.weight(number as usize) } else { V::default() }
     }
 
     /// `Σ wⱼ aᵢⱼ` of a matrix of `rows` rows, row by row.
-    pub(super) fn combined(self, matrix: &[Rounded], rows: usize) -> Vec<Rounded> {
-        let row = |i: usize| self.columns().map(|j| self.weight(j) * matrix[i * self.width + j]).sum();
+    pub(super) fn combined<V: Tested>(self, matrix: &[V], rows: usize) -> Vec<V> {
+        let row = |i: usize| self.columns().map(|j| self.weight::<V>(j) * matrix[i * self.width + j]).sum();
         (0..rows).map(row).collect()
     }
 }
@@ -59,6 +60,7 @@ impl Group {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::expr::Rounded;
 
     #[test]
     fn few_columns_are_alone_and_of_many_each_counts_once() {
@@ -68,7 +70,7 @@ mod tests {
             assert_eq!(columns, (0..width).collect::<Vec<_>>());
         }
         for group in Group::of(GROUPS) {
-            assert_eq!(group.columns().map(|j| group.weight(j)).collect::<Vec<_>>(), [Rounded::exact(1.0)]);
+            assert_eq!(group.columns().map(|j| group.weight::<Rounded>(j)).collect::<Vec<_>>(), [Rounded::exact(1.0)]);
         }
     }
 
@@ -76,10 +78,10 @@ mod tests {
     fn a_sum_has_the_weights_of_its_columns() {
         let group = Group { first: 1, step: 2, width: 5 };
         let matrix: Vec<Rounded> = (0..10).map(|k| Rounded::exact(f64::from(k))).collect();
-        let expected = [1.0 + 3.0 * group.weight(3).value, 6.0 + 8.0 * group.weight(3).value];
+        let expected = [1.0 + 3.0 * group.weight::<Rounded>(3).value, 6.0 + 8.0 * group.weight::<Rounded>(3).value];
         assert_eq!(group.combined(&matrix, 2).iter().map(|v| v.value).collect::<Vec<_>>(), expected);
-        assert_eq!(group.weight_of(Symbol::Input(3), Symbol::Input), group.weight(3));
-        assert_eq!(group.weight_of(Symbol::Input(2), Symbol::Input), Rounded::default());
-        assert_eq!(group.weight_of(Symbol::Velocity(3), Symbol::Input), Rounded::default());
+        assert_eq!(group.weight_of::<Rounded>(Symbol::Input(3), Symbol::Input), group.weight(3));
+        assert_eq!(group.weight_of::<Rounded>(Symbol::Input(2), Symbol::Input), Rounded::default());
+        assert_eq!(group.weight_of::<Rounded>(Symbol::Velocity(3), Symbol::Input), Rounded::default());
     }
 }

@@ -4,6 +4,8 @@ use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
 use crate::model::{Lagrangian, OutputValue};
 
+use super::tested::Tested;
+
 /// The declared scalars, ready to be evaluated over any kind of number.
 pub struct Witness<'l, 'g> {
     /// The mechanism.
@@ -20,22 +22,22 @@ pub struct Witness<'l, 'g> {
 }
 
 /// The values of all steps of the energies, with their rates: at a state, and with their derivatives along the motion.
-struct Steps {
-    here: Vec<Dual<Rounded>>,
-    along_path: Vec<Dual<Dual<Rounded>>>,
+struct Steps<V> {
+    here: Vec<Dual<V>>,
+    along_path: Vec<Dual<Dual<V>>>,
 }
 
 /// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LagrangeTerms {
+pub(crate) struct LagrangeTerms<V> {
     /// `∂L/∂q̇`
-    pub momentum: Rounded,
+    pub momentum: V,
     /// `d/dt ∂L/∂q̇`
-    pub momentum_rate: Rounded,
+    pub momentum_rate: V,
     /// `∂L/∂q`
-    pub position_gradient: Rounded,
+    pub position_gradient: V,
     /// `∂D/∂q̇`
-    pub dissipation_force: Rounded,
+    pub dissipation_force: V,
 }
 
 impl<'l, 'g> Witness<'l, 'g> {
@@ -68,6 +70,11 @@ impl<'l, 'g> Witness<'l, 'g> {
             frames: Tape::strict(&frames.collect::<Vec<_>>()),
             released: lagrangian.released.as_deref().map(|released| Box::new(Witness::new(released))),
         }
+    }
+
+    /// Everything declared.
+    pub(super) fn tapes(&self) -> [&Tape; 6] {
+        [&self.energies, &self.forces, &self.point_forces, &self.constraints, &self.outputs, &self.frames]
     }
 
     /// Whether the energies, the forces, the rows of the constraints and their slopes along the motion are finite.
@@ -108,52 +115,52 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// Q
-    pub(crate) fn forces(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Rounded> {
+    pub(crate) fn forces<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<V> {
         let direct = self.forces.run(moving(state, parameters));
         let by_work = (0..direct.len()).map(|i| self.virtual_work(unit(i), state, parameters));
         direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
     }
 
     /// `Σ F · ∂v/∂q̇`, along a direction of the coordinates, over the forces on points and torques on bodies.
-    fn virtual_work(
+    fn virtual_work<V: Tested>(
         &self,
-        direction: impl Fn(usize) -> Rounded,
-        state: &State<Rounded>,
-        parameters: &[Rounded],
-    ) -> Rounded {
+        direction: impl Fn(usize) -> V,
+        state: &State<V>,
+        parameters: &[V],
+    ) -> V {
         let varied = state.along(|symbol| in_velocities(&direction, symbol));
         let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
-        let work = |pair: &[Dual<Dual<Rounded>>]| -> Rounded {
+        let work = |pair: &[Dual<Dual<V>>]| -> V {
             (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
         };
         values.chunks(6).map(work).sum()
     }
 
     /// For each row of the constraints its value and its rate along the motion, both with their own rates.
-    pub(crate) fn constraints(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<[Dual<Rounded>; 2]> {
+    pub(crate) fn constraints<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<[Dual<V>; 2]> {
         let along_path = state.along(|symbol| path(state, symbol));
         let values = self.constraints.run(moving(&along_path, &lift_all(parameters)));
         values.iter().map(|row| [row.value, row.derivative]).collect()
     }
 
     /// The outputs' components with their time derivatives, in the order of declaration.
-    pub(crate) fn outputs(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
+    pub(crate) fn outputs<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<Dual<V>> {
         self.outputs.run(moving(state, parameters))
     }
 
     /// For each frame rotation (9), position (3), angular velocity (3) and velocity (3), with their time derivatives.
-    pub(crate) fn frames(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<Dual<Rounded>> {
+    pub(crate) fn frames<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<Dual<V>> {
         self.frames.run(moving(state, parameters))
     }
 
     /// The terms of Lagrange's equation of each coordinate.
-    pub(crate) fn lagrange(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Vec<LagrangeTerms> {
+    pub(crate) fn lagrange<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<LagrangeTerms<V>> {
         let steps = self.steps(state, parameters);
         (0..state.q.len()).map(|i| self.lagrange_along(unit(i), &steps, state, parameters)).collect()
     }
 
     /// All that the energies are computed of, at a state and along the motion.
-    fn steps(&self, state: &State<Rounded>, parameters: &[Rounded]) -> Steps {
+    fn steps<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Steps<V> {
         let along_path = state.along(|symbol| path(state, symbol));
         Steps {
             here: self.energies.all(moving(state, parameters)),
@@ -163,13 +170,13 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// What holds the coordinates on their way, along a direction of them, beside the declared forces:
     /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇ − (∂v/∂q̇)ᵀ F − Aᵀ λ`.
-    pub(crate) fn holding_force(
+    pub(crate) fn holding_force<V: Tested>(
         &self,
-        direction: impl Fn(usize) -> Rounded,
-        state: &State<Rounded>,
-        parameters: &[Rounded],
-        multipliers: &[Rounded],
-    ) -> Rounded {
+        direction: impl Fn(usize) -> V,
+        state: &State<V>,
+        parameters: &[V],
+        multipliers: &[V],
+    ) -> V {
         let terms = self.lagrange_along(&direction, &self.steps(state, parameters), state, parameters);
         let work = self.virtual_work(&direction, state, parameters);
         // Of holonomic rows the slope in the coordinates is A, of Pfaffian ones that in the velocities.
@@ -180,18 +187,18 @@ impl<'l, 'g> Witness<'l, 'g> {
         let by_velocity = slopes(state.along(|symbol| in_velocities(&direction, symbol)));
         let rows = self.lagrangian.holonomic_rows().into_iter().zip(by_position.zip(by_velocity));
         let rows = rows.map(|(holonomic, (position, velocity))| if holonomic { position } else { velocity });
-        let constraint: Rounded = rows.zip(multipliers).map(|(a, &lambda)| a * lambda).sum();
+        let constraint: V = rows.zip(multipliers).map(|(a, &lambda)| a * lambda).sum();
         terms.momentum_rate - terms.position_gradient + terms.dissipation_force - work - constraint
     }
 
     /// Only the steps that vary in the direction are computed.
-    fn lagrange_along(
+    fn lagrange_along<V: Tested>(
         &self,
-        direction: impl Fn(usize) -> Rounded,
-        steps: &Steps,
-        state: &State<Rounded>,
-        parameters: &[Rounded],
-    ) -> LagrangeTerms {
+        direction: impl Fn(usize) -> V,
+        steps: &Steps<V>,
+        state: &State<V>,
+        parameters: &[V],
+    ) -> LagrangeTerms<V> {
         let once = lift_all(parameters);
         // ε along the motion, then δ along the direction of q̇: the coefficient of εδ is d/dt ∂L/∂q̇.
         let along_path = state.along(|symbol| path(state, symbol));
@@ -217,36 +224,36 @@ impl<'l, 'g> Witness<'l, 'g> {
 }
 
 /// Along one coordinate.
-fn unit(chosen: usize) -> impl Fn(usize) -> Rounded {
-    move |i| Rounded::exact(f64::from(u8::from(i == chosen)))
+fn unit<V: Tested>(chosen: usize) -> impl Fn(usize) -> V {
+    move |i| V::exact(f64::from(u8::from(i == chosen)))
 }
 
 /// A direction of the coordinates.
-fn in_coordinates(direction: impl Fn(usize) -> Rounded, symbol: Symbol) -> Rounded {
-    if let Symbol::Coordinate(i) = symbol { direction(i as usize) } else { Rounded::default() }
+fn in_coordinates<V: Tested>(direction: impl Fn(usize) -> V, symbol: Symbol) -> V {
+    if let Symbol::Coordinate(i) = symbol { direction(i as usize) } else { V::default() }
 }
 
 /// A direction of the velocities.
-fn in_velocities(direction: impl Fn(usize) -> Rounded, symbol: Symbol) -> Rounded {
-    if let Symbol::Velocity(i) = symbol { direction(i as usize) } else { Rounded::default() }
+fn in_velocities<V: Tested>(direction: impl Fn(usize) -> V, symbol: Symbol) -> V {
+    if let Symbol::Velocity(i) = symbol { direction(i as usize) } else { V::default() }
 }
 
 /// How the symbols change along the motion.
-pub(crate) fn path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
+pub(crate) fn path<V: Tested>(state: &State<V>, symbol: Symbol) -> V {
     match symbol {
-        Symbol::Time => Rounded::exact(1.0),
+        Symbol::Time => V::exact(1.0),
         Symbol::Coordinate(i) => state.qd[i as usize],
         Symbol::Velocity(i) => state.qdd[i as usize],
         Symbol::Prescribed(i, order @ (0 | 1)) => state.prescribed[i as usize][usize::from(order) + 1],
-        Symbol::Prescribed(..) => Rounded::exact(f64::NAN), // a third derivative is nowhere needed
-        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => Rounded::default(),
+        Symbol::Prescribed(..) => V::constant(f64::NAN), // a third derivative is nowhere needed
+        Symbol::Acceleration(_) | Symbol::Parameter(_) | Symbol::Input(_) | Symbol::Multiplier(_) => V::default(),
     }
 }
 
 /// How the symbols change with time alone, coordinates and velocities held.
-pub(crate) fn explicit_path(state: &State<Rounded>, symbol: Symbol) -> Rounded {
+pub(crate) fn explicit_path<V: Tested>(state: &State<V>, symbol: Symbol) -> V {
     match symbol {
-        Symbol::Coordinate(_) | Symbol::Velocity(_) => Rounded::default(),
+        Symbol::Coordinate(_) | Symbol::Velocity(_) => V::default(),
         other => path(state, other),
     }
 }
@@ -265,8 +272,8 @@ pub(crate) fn exact(state: &State) -> State<Rounded> {
 }
 
 /// The state with `more` further coordinates, which rest at zero.
-pub(crate) fn with_resting(state: &State<Rounded>, more: usize) -> State<Rounded> {
-    let all = |values: &[Rounded]| [values, vec![Rounded::default(); more].as_slice()].concat();
+pub(crate) fn with_resting<V: Tested>(state: &State<V>, more: usize) -> State<V> {
+    let all = |values: &[V]| [values, vec![V::default(); more].as_slice()].concat();
     State { q: all(&state.q), qd: all(&state.qd), qdd: all(&state.qdd), ..state.clone() }
 }
 
@@ -276,7 +283,7 @@ pub(crate) fn lift_all<V: Value>(values: &[V]) -> Vec<Dual<V>> {
 }
 
 /// The symbols with their time derivatives, for the declared `dt`.
-fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Dual<V> {
+pub(super) fn moving<V: Value>(state: &State<V>, parameters: &[V]) -> impl Fn(Symbol) -> Dual<V> {
     move |symbol| match symbol {
         Symbol::Time => Dual::new(state.t, V::constant(1.0)),
         Symbol::Coordinate(i) => Dual::new(state.q[i as usize], state.qd[i as usize]),

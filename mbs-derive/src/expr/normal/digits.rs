@@ -5,7 +5,7 @@
 
 use crate::expr::evaluate::{Tape, Value};
 use crate::expr::identity::key;
-use crate::expr::residue::mixed;
+use crate::expr::field::mixed;
 use crate::expr::{Expr, Node, Rounded, Symbol};
 
 /// How near the states are to those where sines, cosines and differences vanish.

@@ -25,8 +25,8 @@ fn arithmetic_is_that_of_a_field() {
         equal(x.power(6).mul(x.power(-4)), x);
         equal(x.add(number(1, 3)).sub(number(1, 3)), x);
     }
-    assert_eq!(Residue::times(Residue::P - 1, Residue::P - 1), 1);
-    assert_eq!(Residue::times(7, Residue::inverted(7)), 1);
+    assert_eq!(Prime::<0>::times(Residue::P - 1, Residue::P - 1), 1);
+    assert_eq!(Prime::<0>::times(7, Prime::<0>::inverted(7)), 1);
     assert_eq!(product(7, inverse(7, Residue::H), Residue::H), 1);
     assert!(!number(1, 1).div(number(0, 1)).is_defined());
 }
@@ -117,30 +117,6 @@ fn exponents_add() {
     equal(exp(number(0, 1)), number(1, 1));
 }
 
-/// The constants of a field: what they should be, and not only in the first.
-fn is_a_field<const K: usize>() {
-    type Of<const K: usize> = super::Residue<K>;
-    let (p, n) = (Of::<K>::P, Of::<K>::N);
-    assert_eq!((720 * n, p % 4, ALL[K].fold), (p + 1, 3, (1 << 61) - p));
-    for prime in [p, n, Of::<K>::H] {
-        assert!((2..40).all(|base| product(base, inverse(base, prime), prime) == 1));
-    }
-    let [circle, half] = [ALL[K].circle, ALL[K].half_degree];
-    assert_eq!((Of::<K>::power_of(circle, n), Of::<K>::power_of(half, 180)), ((1, 0), (0, 1)));
-    assert_eq!(Of::<K>::raised(BASE, Of::<K>::H), 1);
-    let of = |integer: f64| Of::<K>::constant(integer);
-    let at = |count: u64| Of::<K>::power_of(half, count);
-    assert_eq!(at(90).0, of(2.0).power(1).div(of(2.0)).value);
-    assert_eq!(at(120).1, of(3.0).power(1).div(of(2.0)).value);
-    assert_eq!(at(72).0, of(1.0).add(of(5.0).power(1)).div(of(4.0)).value);
-}
-
-#[test]
-fn both_fields_are_fields() {
-    is_a_field::<0>();
-    is_a_field::<1>();
-}
-
 /// A number that a field takes for zero, and is not, has no value in it.
 #[test]
 fn multiples_of_the_moduli_have_no_value() {
@@ -153,7 +129,7 @@ fn multiples_of_the_moduli_have_no_value() {
         assert_eq!(both(-3 * i128::from(of)), [false, true]);
     }
     assert_eq!(both((1 << 61) - 1), [true, true]);
-    let [p, q] = [ALL[0].p, ALL[1].p].map(i128::from);
+    let [p, q] = [Prime::<0>::P, Prime::<1>::P].map(i128::from);
     assert_eq!(both(p * q), [false, false]);
     let sum = number(p - 5, 1).add(number(5, 1));
     assert!(!sum.is_defined() && !number(p, 1).mul(Residue::random(1)).is_defined());

@@ -1,7 +1,7 @@
 //! What is known of the nodes of a verbatim graph: what each depends on, and the exact values of constants.
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, Fingerprints, Graph, Id, Node, Number, Rounded, Symbol, Value};
+use crate::expr::{Expr, Fingerprints, Graph, Id, Node, Number, Symbol};
 
 /// What an expression depends on: a set.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -142,8 +142,7 @@ impl Facts {
             }
             Node::Spline(derivative, a) => {
                 let spline = graph.spline_of(derivative.spline);
-                let a = Rounded::from(value(a)).spline(&spline, derivative.order as usize);
-                Some(Number::rounded(a.value, a.error))
+                Some(value(a).spline(&spline, derivative.order as usize))
             }
             Node::Less(a, b) => Some(truth((value(a) + -value(b)).is_negative())),
             Node::LessEqual(a, b) => Some(truth(!(value(b) + -value(a)).is_negative())),

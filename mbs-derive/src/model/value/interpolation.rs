@@ -162,7 +162,7 @@ fn folded<'g>(resolver: &mut Resolver<'_, 'g>, expr: Expr<'g>) -> Expr<'g> {
 }
 
 fn number<'g>(resolver: &Resolver<'_, 'g>, value: f64) -> Expr<'g> {
-    resolver.graph.constant(Number::rounded(value, 0.0))
+    resolver.graph.constant(Number::of_double(value))
 }
 
 // ---- slopes

@@ -1,0 +1,554 @@
+//! Images of real numbers in a prime field: what the proof is made with, without rounding.
+//!
+//! A rational function of degree d that is not zero vanishes at a random point of a field of p elements with
+//! probability d/p at most (Schwartz, *Fast probabilistic algorithms for verification of polynomial identities*,
+//! Journal of the ACM 27:4, 1980). Functions that are not rational get values that obey the laws of the functions:
+//!
+//! - a sine with its cosine is a point of the unit circle, which is a cyclic group, and angles are exponents. An angle
+//!   is read as a sum of terms: each product of symbols, `θ`, `k θ`, `ω t`, and the radian, has an exponent of its own,
+//!   without relation to others and to the value, and rational factors and sums are those of exponents modulo the prime
+//!   n. So a random point is one of the torus of these terms, on which `sin(a + b)`, `sin 2a` and `cos² (a/2)` are
+//!   what they are of real angles. Parts of a turn are exact, to half degrees;
+//! - exponentials are powers of a number of prime order in the same way;
+//! - of the two roots of a square one is itself a square, and that one is `√x`: roots are multiplicative, and
+//!   `√x · √x = x`. Of what is no square there is no root, and no value;
+//! - every other function is opaque: equal where its arguments are, and odd where it is odd. What is not a sum of
+//!   terms, as a function inside an angle, is a term of its own, told from others by its value;
+//! - a condition is a number of its own, t, told from others by the difference that is compared, and a choice is
+//!   `t a + (1 − t) b`: what holds for all t holds for 0 and 1. `a < b` is `1 − t` of `b <= a`, and of two rational
+//!   numbers it is known. Signum is such a number as well, odd, and `|x|` is x times that.
+//!
+//! Unlike [`Residue`](super::Residue), with which the generator decides what is equal, this keeps terms apart that are
+//! products of others: powers of one base whose exponents are a, b and a b are no random point of a torus. And it
+//! shares nothing with what it proves but the field.
+
+mod solve;
+
+use super::evaluate::{Solutions, Value, operators};
+use super::field::{FIELDS, Prime, inverse, mixed, negative_of, product, sum};
+use super::function::{Binary, Function};
+use super::number::Number;
+use super::ratio::Ratio;
+use super::spline::Spline;
+
+/// A number of the field, or the mark of what has no value there: 1/0, the root of what is no square.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Image<const K: usize> {
+    /// Below p, or [`UNDEFINED`].
+    value: u64,
+    form: Form,
+}
+
+/// What a number is as an angle or as an exponent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Rational(Ratio),
+    /// This part of π.
+    Turn(Ratio),
+    /// A rational number times a product of symbols.
+    Term(Ratio),
+    /// A sum of these.
+    Sum {
+        /// Modulo n, without what is a part of π.
+        angle: u64,
+        /// Modulo h.
+        exponent: u64,
+        /// The part of π.
+        turn: Ratio,
+    },
+    /// A term, of which it is known only if somebody asks.
+    Opaque,
+}
+
+/// The value of what has none.
+pub(super) const UNDEFINED: u64 = u64::MAX;
+
+/// The values of a constant in all fields.
+pub(super) type Images = [u64; FIELDS];
+
+/// Those of a constant of which the double alone is known.
+pub(super) const NO_IMAGES: Images = [UNDEFINED; FIELDS];
+
+impl<const K: usize> Image<K> {
+    const P: u64 = Prime::<K>::P;
+    const N: u64 = Prime::<K>::N;
+    const H: u64 = Prime::<K>::H;
+
+    const NOT_DEFINED: Self = Image { value: UNDEFINED, form: Form::Opaque };
+
+    /// The sizes of all fields.
+    pub(crate) fn moduli() -> [u64; FIELDS] {
+        [Prime::<0>::P, Prime::<1>::P, Prime::<2>::P]
+    }
+
+    /// A symbol: a number with no relation to others, the same for the same key.
+    pub(crate) fn random(key: u64) -> Self {
+        Image { value: mixed(mixed(key) ^ K as u64) % Self::P, form: Form::Term(Ratio::ONE) }
+    }
+
+    /// The image with this value of a constant that is not rational.
+    pub(super) fn of_constant(value: u64) -> Self {
+        Image { value, form: Form::Term(Ratio::ONE) }
+    }
+
+    /// Its value, [`UNDEFINED`] where it has none.
+    pub(super) fn value(self) -> u64 {
+        self.value
+    }
+
+    /// Whether it has a value.
+    pub(crate) fn is_defined(self) -> bool {
+        self.value != UNDEFINED
+    }
+
+    /// Whether it is zero.
+    pub(crate) fn is_zero(self) -> bool {
+        self.value == 0
+    }
+
+    /// Whether it has the value of another.
+    pub(crate) fn is_equal(self, other: Self) -> bool {
+        self.is_defined() && self.value == other.value
+    }
+
+    /// Whether it has a root.
+    pub(crate) fn is_square(self) -> bool {
+        Prime::<K>::raised(self.value, Self::H) <= 1
+    }
+
+    /// Whether it is a rational number whatever the point is.
+    pub(crate) fn is_rational(self) -> bool {
+        matches!(self.form, Form::Rational(_))
+    }
+
+    /// Whether it is a sum of products and quotients of symbols, with rational factors.
+    pub(crate) fn is_sum_of_terms(self) -> bool {
+        self.form != Form::Opaque
+    }
+
+    /// The value that stands for π.
+    fn pi() -> u64 {
+        mixed(0x7069 + K as u64) % Self::P
+    }
+
+    fn opaque(value: u64) -> Self {
+        Image { value, form: Form::Opaque }
+    }
+
+    /// A number that is not zero, and a multiple of the prime, has no value.
+    fn rational(ratio: Ratio) -> Self {
+        let value = ratio_modulo(ratio, Self::P);
+        if value == 0 && ratio != Ratio::ZERO {
+            return Self::NOT_DEFINED;
+        }
+        Image { value, form: Form::Rational(ratio) }
+    }
+
+    fn halved(n: i64) -> Self {
+        let whole = Ratio { numerator: n / 2, denominator: 1 };
+        Self::rational(if n % 2 == 0 { whole } else { Ratio { numerator: n, denominator: 2 } })
+    }
+
+    /// An integer whose digits are too many for a [`Ratio`].
+    fn long(n: i128) -> Self {
+        let value = n.rem_euclid(i128::from(Self::P)) as u64;
+        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value) }
+    }
+
+    /// What a double holds, to the last bit.
+    pub(super) fn dyadic(value: f64) -> Self {
+        let (mantissa, exponent) = libm::frexp(value);
+        Self::long((mantissa * (1u64 << 53) as f64) as i128).mul(Self::long(2).power(2 * (exponent - 53)))
+    }
+
+    fn root(self) -> Self {
+        if let Form::Rational(ratio) = self.form
+            && let Some(root) = ratio.root()
+        {
+            return Self::rational(root);
+        }
+        let root = Prime::<K>::raised(self.value, Self::P.div_ceil(4));
+        if Prime::<K>::times(root, root) == self.value { Self::opaque(root) } else { Self::NOT_DEFINED }
+    }
+
+    fn to_integer_power(self, n: u32) -> Self {
+        let (mut result, mut square, mut rest) = (Self::rational(Ratio::ONE), self, n);
+        while rest > 0 {
+            if rest % 2 == 1 {
+                result = result.mul(square);
+            }
+            rest /= 2;
+            if rest > 0 {
+                square = square.mul(square);
+            }
+        }
+        result
+    }
+
+    fn signum(self) -> Self {
+        match self.form {
+            Form::Rational(ratio) => Self::halved(2 * ratio.numerator.signum()),
+            _ => Self::keyed(0x7369_676e, self.value),
+        }
+    }
+
+    /// An odd function of the value, another one for each tag.
+    fn keyed(tag: u64, value: u64) -> Self {
+        let (size, negative) = Prime::<K>::sign(value);
+        let image = if size == 0 { 0 } else { mixed(mixed(size) ^ tag) % Self::P };
+        Self::opaque(if negative { negative_of(image, Self::P) } else { image })
+    }
+}
+
+/// Angles and exponents.
+impl<const K: usize> Image<K> {
+    /// The exponent on the circle without the part of π, the exponent of an exponential, and the part of π.
+    fn exponents(self) -> (u64, u64, Ratio) {
+        match self.form {
+            Form::Sum { angle, exponent, turn } => (angle, exponent, turn),
+            // The term is the radian, or 1.
+            Form::Rational(ratio) => {
+                let (angle, exponent) = Self::exponents_of(ratio, 1);
+                (angle, exponent, Ratio::ZERO)
+            }
+            Form::Turn(ratio) => (0, Self::exponents_of(ratio, Self::pi()).1, ratio),
+            Form::Term(ratio) => {
+                let (angle, exponent) = Self::exponents_of(ratio, self.without(ratio));
+                (angle, exponent, Ratio::ZERO)
+            }
+            Form::Opaque => {
+                let (angle, exponent) = Self::exponents_of(Ratio::ONE, self.value);
+                (angle, exponent, Ratio::ZERO)
+            }
+        }
+    }
+
+    /// The value without a factor.
+    fn without(self, ratio: Ratio) -> u64 {
+        if ratio == Ratio::ONE {
+            return self.value;
+        }
+        let reciprocal = Ratio { numerator: ratio.denominator, denominator: ratio.numerator };
+        Prime::<K>::times(self.value, ratio_modulo(reciprocal, Self::P))
+    }
+
+    /// Of a rational number times the term that has this value: odd, as angles are.
+    fn exponents_of(ratio: Ratio, term: u64) -> (u64, u64) {
+        let (size, is_negative) = Prime::<K>::sign(term);
+        if size == 0 {
+            return (0, 0);
+        }
+        let ratio = if is_negative { ratio.negative() } else { ratio };
+        let of =
+            |key: u64, modulus: u64| product(ratio_modulo(ratio, modulus), mixed(mixed(size) ^ key) % modulus, modulus);
+        (of(0x616e_676c, Self::N), of(0x6578_706f, Self::H))
+    }
+
+    /// Cosine and sine.
+    fn on_circle(self) -> (u64, u64) {
+        let (angle, _, turn) = self.exponents();
+        let point = Prime::<K>::at_angle(angle);
+        if turn == Ratio::ZERO {
+            return point;
+        }
+        let half_degrees = turn.times(Ratio { numerator: 360, denominator: 1 });
+        let part = match half_degrees.and_then(Ratio::integer) {
+            Some(count) => Prime::<K>::power_of(Prime::<K>::HALF_DEGREE, count.rem_euclid(720) as u64),
+            None => Prime::<K>::at_angle(Self::exponents_of(turn, Self::pi()).0),
+        };
+        Prime::<K>::multiplied(point, part)
+    }
+
+    fn exponential(self) -> Self {
+        Self::opaque(Prime::<K>::exponential(self.exponents().1))
+    }
+}
+
+impl Form {
+    fn scaled(self, ratio: Ratio, of: impl Fn(u64, Ratio) -> (u64, u64)) -> Form {
+        match self {
+            _ if ratio == Ratio::ONE => self,
+            _ if ratio == Ratio::ZERO => Form::Rational(Ratio::ZERO),
+            Form::Rational(own) => own.times(ratio).map_or(Form::Opaque, Form::Rational),
+            Form::Turn(own) => own.times(ratio).map_or(Form::Opaque, Form::Turn),
+            Form::Term(own) => own.times(ratio).map_or(Form::Opaque, Form::Term),
+            Form::Sum { angle, exponent, turn } => turn.times(ratio).map_or(Form::Opaque, |turn| {
+                let ((angle, _), (_, exponent)) = (of(angle, ratio), of(exponent, ratio));
+                Form::Sum { angle, exponent, turn }
+            }),
+            Form::Opaque => Form::Opaque,
+        }
+    }
+
+    /// The rational factor of a single term.
+    fn factor(self) -> Option<Ratio> {
+        match self {
+            Form::Rational(ratio) | Form::Turn(ratio) | Form::Term(ratio) => Some(ratio),
+            Form::Sum { .. } | Form::Opaque => None,
+        }
+    }
+}
+
+impl<const K: usize> Value for Image<K> {
+    const TAKES_BOTH_SIDES: bool = true;
+
+    fn constant(value: f64) -> Self {
+        const SHORT: f64 = (1u64 << 53) as f64;
+        let doubled = 2.0 * value;
+        if doubled.fract() == 0.0 && doubled.abs() < SHORT {
+            return Self::halved(doubled as i64);
+        }
+        Number::from_f64(value).map_or(Self::NOT_DEFINED, Self::number)
+    }
+
+    fn number(number: Number) -> Self {
+        let short = |n: i128| i64::try_from(n).ok().filter(|n| *n != i64::MIN);
+        match number {
+            Number::Exact { numerator, denominator, pi } => match (short(numerator), short(denominator), pi) {
+                (Some(numerator), Some(denominator), 0) => Self::rational(Ratio { numerator, denominator }),
+                (Some(numerator), Some(denominator), 1) => {
+                    let ratio = Ratio { numerator, denominator };
+                    let value = Self::rational(ratio).mul(Self::of_constant(Self::pi())).value;
+                    Image { value, form: Form::Turn(ratio) }
+                }
+                _ => {
+                    let pi = Self::of_constant(Self::pi()).power(2 * i32::from(pi));
+                    Self::long(numerator).div(Self::long(denominator)).mul(pi)
+                }
+            },
+            Number::Real { images, .. } => Self::of_constant(images[K]),
+        }
+    }
+
+    fn neg(self) -> Self {
+        if !self.is_defined() {
+            return self;
+        }
+        let form = match self.form {
+            Form::Rational(ratio) => Form::Rational(ratio.negative()),
+            Form::Turn(ratio) => Form::Turn(ratio.negative()),
+            Form::Term(ratio) => Form::Term(ratio.negative()),
+            Form::Sum { angle, exponent, turn } => Form::Sum {
+                angle: negative_of(angle, Self::N),
+                exponent: negative_of(exponent, Self::H),
+                turn: turn.negative(),
+            },
+            Form::Opaque => Form::Opaque,
+        };
+        Image { value: negative_of(self.value, Self::P), form }
+    }
+
+    fn add(self, other: Self) -> Self {
+        if !(self.is_defined() && other.is_defined()) {
+            return Self::NOT_DEFINED;
+        }
+        let value = sum(self.value, other.value, Self::P);
+        let form = match (self.form, other.form) {
+            (Form::Rational(Ratio::ZERO), form) | (form, Form::Rational(Ratio::ZERO)) => form,
+            (Form::Opaque, _) | (_, Form::Opaque) => Form::Opaque,
+            (Form::Rational(a), Form::Rational(b)) => {
+                // A sum that is a multiple of the prime has no value.
+                match a.plus(b) {
+                    Some(ratio) if value == 0 && ratio != Ratio::ZERO => return Self::NOT_DEFINED,
+                    Some(ratio) => Form::Rational(ratio),
+                    None => Form::Opaque,
+                }
+            }
+            (Form::Turn(a), Form::Turn(b)) => a.plus(b).map_or(Form::Opaque, Form::Turn),
+            _ => {
+                let ((a, e, s), (b, f, t)) = (self.exponents(), other.exponents());
+                s.plus(t).map_or(Form::Opaque, |turn| Form::Sum {
+                    angle: sum(a, b, Self::N),
+                    exponent: sum(e, f, Self::H),
+                    turn,
+                })
+            }
+        };
+        Image { value, form }
+    }
+
+    fn sub(self, other: Self) -> Self {
+        self.add(other.neg())
+    }
+
+    fn mul(self, other: Self) -> Self {
+        if !(self.is_defined() && other.is_defined()) {
+            return Self::NOT_DEFINED;
+        }
+        let value = Prime::<K>::times(self.value, other.value);
+        let scaled = |exponent: u64, ratio: Ratio| {
+            (
+                product(ratio_modulo(ratio, Self::N), exponent, Self::N),
+                product(ratio_modulo(ratio, Self::H), exponent, Self::H),
+            )
+        };
+        let form = match (self.form, other.form) {
+            (Form::Rational(ratio), form) | (form, Form::Rational(ratio)) => form.scaled(ratio, scaled),
+            (a, b) => {
+                let factor = a.factor().zip(b.factor()).and_then(|(a, b)| a.times(b));
+                factor.map_or(Form::Opaque, Form::Term)
+            }
+        };
+        Image { value, form }
+    }
+
+    fn div(self, other: Self) -> Self {
+        if !other.is_defined() || other.is_zero() {
+            return Self::NOT_DEFINED;
+        }
+        let value = Prime::<K>::inverted(other.value);
+        let reciprocal = |form: fn(Ratio) -> Form, ratio: Ratio| ratio.reciprocal().map_or(Form::Opaque, form);
+        let form = match (self.form, other.form) {
+            // So that π/2π is a number.
+            (Form::Turn(a), Form::Turn(b)) => {
+                return a
+                    .times(b.reciprocal().unwrap_or(Ratio::ZERO))
+                    .map_or(self.mul(Self::opaque(value)), Self::rational);
+            }
+            (_, Form::Rational(ratio)) => reciprocal(Form::Rational, ratio),
+            (_, Form::Turn(ratio) | Form::Term(ratio)) => reciprocal(Form::Term, ratio),
+            (_, Form::Sum { .. } | Form::Opaque) => Form::Opaque,
+        };
+        self.mul(Image { value, form })
+    }
+
+    fn power(self, halves: i32) -> Self {
+        if !self.is_defined() {
+            return self;
+        }
+        let base = if halves % 2 == 0 { self } else { self.root() };
+        let exponent = if halves % 2 == 0 { halves / 2 } else { halves };
+        let power = base.to_integer_power(exponent.unsigned_abs());
+        if exponent < 0 { Self::rational(Ratio::ONE).div(power) } else { power }
+    }
+
+    fn call(self, function: Function) -> Self {
+        if !self.is_defined() {
+            return self;
+        }
+        let one = Self::rational(Ratio::ONE);
+        let halved = |x: Self| x.mul(Self::halved(1));
+        let growing = || halved(self.exponential().add(self.neg().exponential()));
+        let odd = || halved(self.exponential().sub(self.neg().exponential()));
+        match (function, self.form) {
+            (Function::Sin | Function::Tan | Function::Sinh | Function::Tanh, Form::Rational(Ratio::ZERO)) => self,
+            (Function::Cos | Function::Cosh | Function::Sech | Function::Exp, Form::Rational(Ratio::ZERO)) => one,
+            (Function::Cos, _) => Self::opaque(self.on_circle().0),
+            (Function::Sin, _) => Self::opaque(self.on_circle().1),
+            (Function::Tan, _) => {
+                let (cos, sin) = self.on_circle();
+                Self::opaque(sin).div(Self::opaque(cos))
+            }
+            (Function::Asin | Function::Atan, _) => Self::keyed(function as u64, self.value),
+            (Function::Acos, _) => Self::number(Number::PI).mul(Self::halved(1)).sub(self.call(Function::Asin)),
+            (Function::Sinh, _) => odd(),
+            (Function::Cosh, _) => growing(),
+            (Function::Tanh, _) => odd().div(growing()),
+            (Function::Sech, _) => one.div(growing()),
+            (Function::Exp, _) => self.exponential(),
+            (Function::Ln, _) if self.value == 1 => Self::rational(Ratio::ZERO),
+            (Function::Ln, _) => Self::opaque(mixed(self.value ^ 0x6c6e_0000) % Self::P),
+            (Function::Abs, _) => self.mul(self.signum()),
+            (Function::Signum, _) => self.signum(),
+        }
+    }
+
+    fn call2(self, function: Binary, other: Self) -> Self {
+        if !(self.is_defined() && other.is_defined()) {
+            return Self::NOT_DEFINED;
+        }
+        let halves = match other.form {
+            Form::Rational(ratio) => ratio.times(Ratio::TWO).and_then(Ratio::integer),
+            _ => None,
+        };
+        match (function, halves) {
+            (Binary::Atan2, _) => Self::keyed(mixed(other.value), self.value),
+            (Binary::Powf, Some(halves @ -1000..=1000)) => self.power(halves as i32),
+            (Binary::Powf, _) => Self::opaque(mixed(mixed(self.value) ^ other.value) % Self::P),
+        }
+    }
+
+    fn spline(self, spline: &Spline, order: usize) -> Self {
+        match self.form {
+            _ if !self.is_defined() => self,
+            _ if order > spline.degree() => Self::rational(Ratio::ZERO),
+            Form::Rational(_) => spline.derivative(self, order),
+            _ => Self::keyed(mixed(spline.key() ^ order as u64), self.value),
+        }
+    }
+
+    fn rate(self) -> Self {
+        Self::NOT_DEFINED
+    }
+
+    fn less(self, other: Self) -> bool {
+        if let (Form::Rational(a), Form::Rational(b)) = (self.form, other.form)
+            && let Some(difference) = b.plus(a.negative())
+        {
+            return self.is_defined() && other.is_defined() && difference.numerator > 0;
+        }
+        let difference = other.sub(self);
+        difference.is_defined() && !difference.is_zero() && {
+            let (size, negative) = Prime::<K>::sign(difference.value);
+            (mixed(size) % 2 == 1) != negative
+        }
+    }
+
+    fn less_equal(self, other: Self) -> bool {
+        let difference = other.sub(self);
+        difference.is_defined() && (difference.is_zero() || self.less(other))
+    }
+
+    fn condition(self, other: Self, or_equal: bool) -> Self {
+        let difference = other.sub(self);
+        let truth = |holds: bool| Self::halved(if holds { 2 } else { 0 });
+        match difference.form {
+            _ if !difference.is_defined() => Self::NOT_DEFINED,
+            _ if difference.is_zero() => truth(or_equal),
+            Form::Rational(ratio) => truth(ratio.numerator > 0),
+            _ => {
+                // `0 < −d` is `!(0 <= d)`.
+                let (size, is_negative) = Prime::<K>::sign(difference.value);
+                let number = Self::opaque(mixed(mixed(size) ^ u64::from(or_equal != is_negative)) % Self::P);
+                if is_negative { truth(true).sub(number) } else { number }
+            }
+        }
+    }
+
+    fn select(self, a: Self, b: Self) -> Self {
+        match self.form {
+            Form::Rational(Ratio::ZERO) => b,
+            Form::Rational(Ratio::ONE) => a,
+            _ => b.add(self.mul(a.sub(b))),
+        }
+    }
+
+    fn is_exactly_zero(self) -> bool {
+        self.is_defined() && self.form == Form::Rational(Ratio::ZERO)
+    }
+
+    fn constrained_columns<'a>(n: usize, mass: Vec<Self>, jacobian: Vec<Self>, vectors: &[usize]) -> Solutions<'a, Self>
+    where
+        Self: 'a,
+    {
+        let system = solve::System::new(n, vectors.len(), &mass, &jacobian);
+        Box::new(move |columns, _| columns.iter().map(|column| system.solution(column)).collect())
+    }
+}
+
+operators!([const K: usize] Image<K>);
+
+/// A rational number modulo a prime; 0 where the prime divides it.
+fn ratio_modulo(ratio: Ratio, modulus: u64) -> u64 {
+    let of = |n: i64| {
+        let size = n.unsigned_abs() % modulus;
+        if n < 0 { negative_of(size, modulus) } else { size }
+    };
+    match ratio.denominator {
+        1 => of(ratio.numerator),
+        denominator => product(of(ratio.numerator), inverse(of(denominator), modulus), modulus),
+    }
+}
+
+#[cfg(test)]
+mod tests;
