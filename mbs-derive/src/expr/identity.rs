@@ -13,9 +13,9 @@
 use super::branch::{Branches, Side};
 use super::dual::Dual;
 use super::evaluate::{Tape, Value, value_of};
+use super::field::mixed;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, Id, Node, Symbol};
-use super::field::mixed;
 use super::residue::Residue;
 use super::spline::SplineDerivative;
 

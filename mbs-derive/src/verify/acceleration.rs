@@ -18,11 +18,7 @@ use super::witness::lift_all;
 
 impl<'a, V: Tested> Trial<'a, V> {
     /// The derivative of accelerations along that of a state and of the parameters of a mechanism.
-    fn acceleration_slope(
-        &self,
-        varied: &Interpreter<'_, Dual<V>>,
-        state: &State<Dual<V>>,
-    ) -> Vec<V> {
+    fn acceleration_slope(&self, varied: &Interpreter<'_, Dual<V>>, state: &State<Dual<V>>) -> Vec<V> {
         match self.derivation.function(Kind::ForwardDynamics) {
             Some(function) if function.completion == Completion::SolveConstrained => {
                 self.motion(function).slope(self.n(), &varied.system_of_motion(function, state))

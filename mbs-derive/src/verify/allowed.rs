@@ -22,11 +22,8 @@ impl<V: Tested> Trial<'_, V> {
             return self.pass_over("energy balance", 1);
         }
         // Constraint forces do no work along motions that the constraints allow.
-        let free = State {
-            u: vec![V::default(); self.state.u.len()],
-            qd: V::allowed_velocities(self),
-            ..self.state.clone()
-        };
+        let free =
+            State { u: vec![V::default(); self.state.u.len()], qd: V::allowed_velocities(self), ..self.state.clone() };
         let [force, h] = [Kind::GeneralizedForce, Kind::Bias].map(|kind| called(&self.interpreter, kind, &free));
         let unforced: Vec<V> = (0..n).map(|i| force[i] - h[i]).collect();
         let (qdd, multipliers) = self.accelerations(&unforced, &free);

@@ -8,12 +8,12 @@ use crate::expr::{Dual, Rounded, Symbol, Value};
 use crate::interpret::{Interpreter, State};
 use crate::optimise::Derivation;
 
+use super::Failure;
 use super::group::Group;
 use super::linear::{add, quadratic_form, times};
 use super::motion::Motion;
-use super::witness::{LagrangeTerms, Witness, explicit_path, lift_all, path, with_resting};
 use super::tested::Tested;
-use super::Failure;
+use super::witness::{LagrangeTerms, Witness, explicit_path, lift_all, path, with_resting};
 
 /// One state at which a derivation is tried.
 pub(crate) struct Trial<'a, V: Tested = Rounded> {
@@ -353,9 +353,8 @@ pub(super) fn called<V: Value>(interpreter: &Interpreter<'_, V>, kind: FunctionK
 
 /// Whether a matrix is orthonormal, and remains so.
 pub(super) fn is_rotation<V: Tested>(r: &[Dual<V>]) -> bool {
-    let product = |i: usize, j: usize| {
-        (0..3).fold(Dual::fixed(V::default()), |sum, k| sum.add(r[3 * k + i].mul(r[3 * k + j])))
-    };
+    let product =
+        |i: usize, j: usize| (0..3).fold(Dual::fixed(V::default()), |sum, k| sum.add(r[3 * k + i].mul(r[3 * k + j])));
     (0..9).all(|k| {
         let (entry, unit) = (product(k / 3, k % 3), one_if::<V>(k / 3 == k % 3));
         (entry.value - unit).vanishes() && entry.derivative.vanishes()

@@ -147,7 +147,8 @@ macro_rules! taken_down {
             expected: &[Self],
         ) -> Result<(), Failure> {
             let pairs = found.iter().zip(expected).enumerate();
-            let left = pairs.map(|(component, (&found, &expected))| trial.difference(claim, component, found - expected));
+            let left =
+                pairs.map(|(component, (&found, &expected))| trial.difference(claim, component, found - expected));
             trial.differences.borrow_mut().extend(left);
             Ok(())
         }

@@ -122,17 +122,11 @@ impl<'l, 'g> Witness<'l, 'g> {
     }
 
     /// `Σ F · ∂v/∂q̇`, along a direction of the coordinates, over the forces on points and torques on bodies.
-    fn virtual_work<V: Tested>(
-        &self,
-        direction: impl Fn(usize) -> V,
-        state: &State<V>,
-        parameters: &[V],
-    ) -> V {
+    fn virtual_work<V: Tested>(&self, direction: impl Fn(usize) -> V, state: &State<V>, parameters: &[V]) -> V {
         let varied = state.along(|symbol| in_velocities(&direction, symbol));
         let values = self.point_forces.run(moving(&varied, &lift_all(parameters)));
-        let work = |pair: &[Dual<Dual<V>>]| -> V {
-            (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum()
-        };
+        let work =
+            |pair: &[Dual<Dual<V>>]| -> V { (0..3).map(|k| pair[k].value.derivative * pair[3 + k].value.value).sum() };
         values.chunks(6).map(work).sum()
     }
 

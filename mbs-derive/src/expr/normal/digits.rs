@@ -4,8 +4,8 @@
 //! terms. Such states are tried: one place after another, then all of them, is nearly zero or a quarter of a turn.
 
 use crate::expr::evaluate::{Tape, Value};
-use crate::expr::identity::key;
 use crate::expr::field::mixed;
+use crate::expr::identity::key;
 use crate::expr::{Expr, Node, Rounded, Symbol};
 
 /// How near the states are to those where sines, cosines and differences vanish.

@@ -1,10 +1,11 @@
 //! Programs with one small mistake each, which must be refused unless they compute the same.
 
+use super::super::Proof;
 use super::*;
 use crate::expr::{Function, Graph, Number};
 use crate::interpret::Interpreter;
 use crate::numeric::Random;
-use crate::optimise::{Instruction, Program, Value as Step};
+use crate::optimise::{FunctionKind, Instruction, Program, Value as Step};
 
 /// The mistakes.
 const KINDS: [&str; 9] =
@@ -91,7 +92,7 @@ fn is_equivalent(witness: &Witness<'_, '_>, original: &Derivation, mutant: &Deri
     values(original).iter().zip(&values(mutant)).all(|(a, b)| a.is_equal(*b) || !a.is_defined())
 }
 
-/// How many mutants of each kind are refused, compute the same, or survive.
+/// How many mutants of each kind are refused, hold what is claimed all the same, or survive.
 fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
     let sources = crate::read(std::path::Path::new(file)).unwrap();
     let graph = Graph::verbatim();
@@ -108,11 +109,20 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
         assert!(drawn < 1000 * tried, "{file}: there is little to change");
         let Some((mutant, at)) = mutants.next(KINDS[number]) else { continue };
         found += 1;
+        // One field is enough; what is left to doubles, the whole proof refuses.
         let is_refused = || {
             let outcomes = Field::of::<1>(&witness, &mutant, roots).outcomes;
             known.iter().zip(outcomes).any(|(&known, found)| known == Outcome::Holds && found != Outcome::Holds)
+                || Proof::of(analysis.lagrangian(), &mutant).is_err()
         };
-        let column = if is_equivalent(&witness, derivation, &mutant, at) { 1 } else { usize::from(!is_refused()) * 2 };
+        // Of `conserved` is claimed that it does not change: with a constant term dropped it is as good.
+        let is_integral = derivation.functions.get(at).is_some_and(|function| function.kind == FunctionKind::Conserved);
+        let column = match is_equivalent(&witness, derivation, &mutant, at) {
+            true => 1,
+            false if is_refused() => 0,
+            false if is_integral => 1,
+            false => 2,
+        };
         if column == 2 {
             let name = derivation.functions.get(at).map_or("new", |function| &function.name);
             println!("{file}: a mutant of `{name}` survives: {}", KINDS[number]);
