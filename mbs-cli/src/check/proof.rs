@@ -45,9 +45,10 @@ impl Evidence {
 
     /// Its keys are those of `docs/json.md`.
     pub(crate) fn object(&self) -> Value {
-        let in_doubles = self.in_doubles.iter().map(
-            |open| json!({ "claim": open.claim, "identities": open.identities, "reason": open.reason }),
-        );
+        let in_doubles = self
+            .in_doubles
+            .iter()
+            .map(|open| json!({ "claim": open.claim, "identities": open.identities, "reason": open.reason }));
         json!({
             "exact": self.identities,
             "chance_below": if self.identities == 0 { Value::Null } else { json!(format!("1e-{}", self.digits)) },

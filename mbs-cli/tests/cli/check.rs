@@ -21,12 +21,14 @@ fn what_is_not_proved_exactly_is_named() {
     let workshop = Workshop::new();
     let text = "#![dimensionless] mechanism Odd { coord x: 1; kinetic += dt(x)^2; force x += ln(exp(x)); \
                 output angle = [sin(0.12345678901234*x), 0, 0]; }";
-    workshop.write("odd.mbs", text.to_string());
+    workshop.write("odd.mbs", text);
     let summary = workshop.good(&["check", "odd.mbs"]);
     assert!(summary.contains(" identities, chance of a false proof below 1e-"), "{summary}");
     assert!(summary.contains(" in doubles (") && summary.contains("of a high degree"), "{summary}");
     let details = workshop.good(&["check", "odd.mbs", "--verbose"]);
-    assert!(details.starts_with(&summary) && details.contains("  3 points, one in each field of 2305843009208591759, "));
+    assert!(
+        details.starts_with(&summary) && details.contains("  3 points, one in each field of 2305843009208591759, ")
+    );
     assert!(details.lines().any(|line| line.starts_with("  in doubles: output, ")), "{details}");
     let report: serde_json::Value = serde_json::from_str(&workshop.good(&["check", "odd.mbs", "--json"])).unwrap();
     let proof = &report["proof"];
