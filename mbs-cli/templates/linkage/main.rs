@@ -32,8 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut largest = 0.0_f64;
     let method = Projected {
         method: Dop853::new(1e-9, 1e-9),
-        constraints: &linkage,
-        projector,
+        drift: projector.onto(&linkage),
     };
     method.sample(
         accelerations(&linkage, motor),

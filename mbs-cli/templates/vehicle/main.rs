@@ -35,8 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let projector = Projector::new([0.0; MEMORY]);
     let method = Projected {
         method: Dop853::new(1e-8, 1e-8),
-        constraints: &car,
-        projector,
+        drift: projector.onto(&car),
     };
     method.sample(
         accelerations(&car, driver),
