@@ -89,7 +89,7 @@ fn weathers_that_there_are_not_are_refused() {
         (["--height", "0"], 1, "significant wave height must be positive, it is 0"),
         (["--height", "NaN"], 1, "it is NaN"),
         (["--period", "-3"], 1, "peak period must be positive, it is -3"),
-        (["--period", "4"], 1, "too steep"),
+        (["--period", "4"], 1, "steepness 2π Hs/(g Tp²) of the waves must be at most 0.0666"),
         (["--wind", "-1"], 1, "mean wind must not be negative, it is -1"),
         (["--height", "high"], 2, "--height"),
         (["--seed", "first"], 2, "--seed"),
