@@ -46,7 +46,7 @@ pub enum Must {
 }
 
 impl Invalid {
-    /// The same of one of several, counted from 0.
+    /// Says which one of several numbers it is, counted from 0.
     #[must_use]
     pub const fn of(self, index: usize) -> Self {
         Self { index: Some(index), ..self }

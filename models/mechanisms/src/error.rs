@@ -91,13 +91,13 @@ pub enum Failure {
     /// A joint, an axis or a leg goes beyond a limit.
     #[error("{quantity} {index} comes to {value}, its limit is {limit}")]
     LimitExceeded {
-        /// Of what, as in `velocity of joint`.
+        /// The name of what is limited, as in `velocity of joint`.
         quantity: &'static str,
-        /// Of which.
+        /// The number of the joint, axis or leg.
         index: usize,
-        /// What it is.
+        /// The value it comes to.
         value: f64,
-        /// What it may be.
+        /// The greatest or least value it may have.
         limit: f64,
     },
     /// A place where a motion is lost, or nearly: joints would have to jump.

@@ -326,9 +326,9 @@ pub struct Burn {
 /// Errors with which thrusters execute a burn, by standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThrusterErrors {
-    /// Of the size, relative.
+    /// The standard deviation of the size, relative.
     pub size: f64,
-    /// Of the direction, about each axis \[rad\].
+    /// The standard deviation of the direction, about each axis \[rad\].
     pub direction: f64,
 }
 

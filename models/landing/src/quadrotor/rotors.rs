@@ -15,7 +15,7 @@ pub struct Rotors {
 /// What the rotors are to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speeds {
-    /// Of each rotor \[rad/s\].
+    /// The speed of each rotor \[rad/s\].
     pub speed: [f64; 4],
     /// Whether one of them would have to turn backwards.
     pub limited: bool,
