@@ -142,15 +142,18 @@ fn main() {
     let (inverse_dynamics, mass_matrix, forward_dynamics): (Vec<_>, Vec<_>, Vec<_>) =
         (inverse_dynamics.collect(), mass_matrix.collect(), forward_dynamics.collect());
 
-    let mut ways: Vec<Way<'_, 6>> = vec![&|s, result| *result = arm.inverse_dynamics(&s.q, &s.qd, &s.w)];
+    let rust = |s: &State, result: &mut [f64; 6]| *result = arm.inverse_dynamics(&s.q, &s.qd, &s.w);
+    let mut ways: Vec<Way<'_, 6>> = vec![&rust];
     ways.extend(inverse_dynamics.iter().map(|way| way as Way<'_, 6>));
     report(&states, "inverse_dynamics", &ways);
 
-    let mut ways: Vec<Way<'_, 36>> = vec![&|s, result| result.copy_from_slice(arm.mass_matrix(&s.q).as_flattened())];
+    let rust = |s: &State, result: &mut [f64; 36]| result.copy_from_slice(arm.mass_matrix(&s.q).as_flattened());
+    let mut ways: Vec<Way<'_, 36>> = vec![&rust];
     ways.extend(mass_matrix.iter().map(|way| way as Way<'_, 36>));
     report(&states, "mass_matrix", &ways);
 
-    let mut ways: Vec<Way<'_, 6>> = vec![&|s, result| *result = arm.forward_dynamics(&s.q, &s.qd, &s.w)];
+    let rust = |s: &State, result: &mut [f64; 6]| *result = arm.forward_dynamics(&s.q, &s.qd, &s.w);
+    let mut ways: Vec<Way<'_, 6>> = vec![&rust];
     ways.extend(forward_dynamics.iter().map(|way| way as Way<'_, 6>));
     report(&states, "forward_dynamics", &ways);
     #[cfg(feature = "opencl")]

@@ -133,6 +133,10 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
 }
 
 fn check(name: &str) {
+    // A package has no mechanisms beside it.
+    if !std::path::Path::new("../models").exists() {
+        return;
+    }
     let tried = std::env::var("MBS_MUTANTS").map_or(TRIED, |count| count.parse().expect("a number of mutants"));
     let table = score(&format!("../{name}.mbs"), tried);
     for (kind, [refused, same, surviving]) in KINDS.iter().zip(&table) {
