@@ -198,7 +198,7 @@ impl<'a> Plan<'a> {
     /// What carriage and joints do at a time \[s\].
     ///
     /// # Errors
-    /// [`Infeasible::Arm`], [`Infeasible::Flight`].
+    /// [`Infeasible::Arm`], [`Infeasible::Refused`].
     pub fn axes(&self, t: f64) -> Result<JointState<7>, Infeasible> {
         self.followed(t).map(|(_, axes)| axes)
     }
@@ -231,7 +231,7 @@ impl<'a> Plan<'a> {
     /// Everything at a time \[s\].
     ///
     /// # Errors
-    /// [`Infeasible::Flight`], [`Infeasible::Arm`], [`Infeasible::Pose`]; limits are not looked at.
+    /// [`Infeasible::Refused`], [`Infeasible::Arm`], [`Infeasible::Pose`]; limits are not looked at.
     pub fn moment(&self, time: f64) -> Result<Moment, Infeasible> {
         let (flange, axes) = self.followed(time)?;
         let forces = self.experiment.robot.forces(&axes);
