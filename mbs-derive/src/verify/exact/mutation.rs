@@ -79,17 +79,17 @@ impl Mutants<'_> {
     }
 }
 
-/// Whether two derivations compute the same where one of them was changed.
-fn is_equivalent(witness: &Witness<'_, '_>, original: &Derivation, mutant: &Derivation, at: usize) -> bool {
-    let (state, parameters): Point<Image<2>> = nth_point(witness, 0x4000);
+/// Whether two derivations compute the same where one of them was changed, at a point at which there is something to
+/// compute.
+fn is_equivalent((state, parameters): &Point<Image<2>>, original: &Derivation, mutant: &Derivation, at: usize) -> bool {
     let multipliers: Vec<_> = (0..original.constraints.len()).map(|k| Image::multiplier(state.t, k)).collect();
     let values = |derivation: &Derivation| {
         let interpreter = Interpreter::with_parameters(derivation, parameters.clone());
         let functions = derivation.functions.iter().enumerate();
         let chosen = functions.filter(|(number, _)| at == derivation.functions.len() || *number == at);
-        chosen.flat_map(|(_, function)| interpreter.values(function, &state, &multipliers)).collect::<Vec<_>>()
+        chosen.flat_map(|(_, function)| interpreter.values(function, state, &multipliers)).collect::<Vec<_>>()
     };
-    values(original).iter().zip(&values(mutant)).all(|(a, b)| a.is_equal(*b) || !a.is_defined())
+    values(original).iter().zip(&values(mutant)).all(|(a, b)| a.is_equal(*b) || !a.is_defined() && !b.is_defined())
 }
 
 /// How many mutants of each kind are refused, hold what is claimed all the same, or survive.
@@ -100,6 +100,8 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
     let (witness, derivation) = (Witness::new(analysis.lagrangian()), analysis.programs());
     let roots = Nodes::of(&witness, derivation).obstacle(&witness, |number| nth_point(&witness, number)).unwrap();
     let known = Field::of::<1>(&witness, derivation, roots).outcomes;
+    let points = (0x4000..0x8000).map(|number| nth_point(&witness, number));
+    let point = points.into_iter().find(|point| is_defined(&witness, point)).expect("a point with roots");
     let mut mutants = Mutants { derivation, random: Random::new(0x6d75_7461) };
     let mut table = vec![[0; 3]; KINDS.len()];
     let (mut found, mut drawn) = (0, 0);
@@ -117,7 +119,7 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
         };
         // Of `conserved` is claimed that it does not change: with a constant term dropped it is as good.
         let is_integral = derivation.functions.get(at).is_some_and(|function| function.kind == FunctionKind::Conserved);
-        let column = match is_equivalent(&witness, derivation, &mutant, at) {
+        let column = match is_equivalent(&point, derivation, &mutant, at) {
             true => 1,
             false if is_refused() => 0,
             false if is_integral => 1,
