@@ -18,8 +18,8 @@
 //! - `rounded`: numbers with a bound on their rounding errors;
 //! - `factors`, `constrained`: symmetric systems and systems with constraints, solved as the runtime solves them;
 //! - `range`: between which values expressions stay;
-//! - `field`: prime fields; `residue`: numbers of one, `ratio`: rational ones; `identity`: what holds for all values of
-//!   the symbols, decided there;
+//! - `field`: prime fields; `element`: what their numbers have in common; `ratio`: rational numbers;
+//! - `residue`, `identity`: what holds for all values of the symbols, decided in a field;
 //! - `image`, `degree`: what claims are proved with, and how likely they are to hold by chance;
 //! - `branch`: the sides of conditions, and what leads to them;
 //! - `vanishing`: sums that are zero, left out;
@@ -35,6 +35,7 @@ mod constrained;
 mod degree;
 pub(crate) mod display;
 pub(crate) mod dual;
+mod element;
 pub(crate) mod evaluate;
 mod factors;
 mod field;

@@ -121,6 +121,19 @@ impl<const K: usize> Prime<K> {
         if a > Self::P / 2 { (Self::P - a, true) } else { (a, false) }
     }
 
+    /// The root that is a square, of a square: `p ≡ 3 (mod 4)`.
+    pub(super) fn root(a: u64) -> Option<u64> {
+        let root = Self::raised(a, Self::P.div_ceil(4));
+        (Self::times(root, root) == a).then_some(root)
+    }
+
+    /// An odd function, another one for each tag.
+    pub(super) fn odd(tag: u64, a: u64) -> u64 {
+        let (size, is_negative) = Self::sign(a);
+        let image = if size == 0 { 0 } else { mixed(mixed(size) ^ tag) % Self::P };
+        if is_negative { negative_of(image, Self::P) } else { image }
+    }
+
     /// Angles of two points of the circle are added.
     pub(super) const fn multiplied((c, s): (u64, u64), (d, r): (u64, u64)) -> (u64, u64) {
         let (cd, sr, cr, sd) = (Self::times(c, d), Self::times(s, r), Self::times(c, r), Self::times(s, d));

@@ -24,6 +24,7 @@
 
 mod solve;
 
+use super::element::Element;
 use super::evaluate::{Solutions, Value, operators};
 use super::field::{FIELDS, Prime, inverse, mixed, negative_of, product, sum};
 use super::function::{Binary, Function};
@@ -73,8 +74,6 @@ impl<const K: usize> Image<K> {
     const P: u64 = Prime::<K>::P;
     const N: u64 = Prime::<K>::N;
     const H: u64 = Prime::<K>::H;
-
-    const NOT_DEFINED: Self = Image { value: UNDEFINED, form: Form::Opaque };
 
     /// The sizes of all fields.
     pub(crate) fn moduli() -> [u64; FIELDS] {
@@ -135,56 +134,6 @@ impl<const K: usize> Image<K> {
         Image { value, form: Form::Opaque }
     }
 
-    /// A number that is not zero, and a multiple of the prime, has no value.
-    fn rational(ratio: Ratio) -> Self {
-        let value = ratio_modulo(ratio, Self::P);
-        if value == 0 && ratio != Ratio::ZERO {
-            return Self::NOT_DEFINED;
-        }
-        Image { value, form: Form::Rational(ratio) }
-    }
-
-    fn halved(n: i64) -> Self {
-        let whole = Ratio { numerator: n / 2, denominator: 1 };
-        Self::rational(if n % 2 == 0 { whole } else { Ratio { numerator: n, denominator: 2 } })
-    }
-
-    /// An integer whose digits are too many for a [`Ratio`].
-    fn long(n: i128) -> Self {
-        let value = n.rem_euclid(i128::from(Self::P)) as u64;
-        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value) }
-    }
-
-    /// What a double holds, to the last bit.
-    pub(super) fn dyadic(value: f64) -> Self {
-        let (mantissa, exponent) = libm::frexp(value);
-        Self::long((mantissa * (1u64 << 53) as f64) as i128).mul(Self::long(2).power(2 * (exponent - 53)))
-    }
-
-    fn root(self) -> Self {
-        if let Form::Rational(ratio) = self.form
-            && let Some(root) = ratio.root()
-        {
-            return Self::rational(root);
-        }
-        let root = Prime::<K>::raised(self.value, Self::P.div_ceil(4));
-        if Prime::<K>::times(root, root) == self.value { Self::opaque(root) } else { Self::NOT_DEFINED }
-    }
-
-    fn to_integer_power(self, n: u32) -> Self {
-        let (mut result, mut square, mut rest) = (Self::rational(Ratio::ONE), self, n);
-        while rest > 0 {
-            if rest % 2 == 1 {
-                result = result.mul(square);
-            }
-            rest /= 2;
-            if rest > 0 {
-                square = square.mul(square);
-            }
-        }
-        result
-    }
-
     fn signum(self) -> Self {
         match self.form {
             Form::Rational(ratio) => Self::halved(2 * ratio.numerator.signum()),
@@ -194,9 +143,7 @@ impl<const K: usize> Image<K> {
 
     /// An odd function of the value, another one for each tag.
     fn keyed(tag: u64, value: u64) -> Self {
-        let (size, negative) = Prime::<K>::sign(value);
-        let image = if size == 0 { 0 } else { mixed(mixed(size) ^ tag) % Self::P };
-        Self::opaque(if negative { negative_of(image, Self::P) } else { image })
+        Self::opaque(Prime::<K>::odd(tag, value))
     }
 }
 
@@ -289,16 +236,38 @@ impl Form {
     }
 }
 
+impl<const K: usize> Element for Image<K> {
+    const NOT_DEFINED: Self = Image { value: UNDEFINED, form: Form::Opaque };
+
+    /// A number that is not zero, and a multiple of the prime, has no value.
+    fn rational(ratio: Ratio) -> Self {
+        let value = ratio_modulo(ratio, Self::P);
+        if value == 0 && ratio != Ratio::ZERO {
+            return Self::NOT_DEFINED;
+        }
+        Image { value, form: Form::Rational(ratio) }
+    }
+
+    fn long(n: i128) -> Self {
+        let value = n.rem_euclid(i128::from(Self::P)) as u64;
+        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value) }
+    }
+
+    fn root(self) -> Self {
+        if let Form::Rational(ratio) = self.form
+            && let Some(root) = ratio.root()
+        {
+            return Self::rational(root);
+        }
+        Prime::<K>::root(self.value).map_or(Self::NOT_DEFINED, Self::opaque)
+    }
+}
+
 impl<const K: usize> Value for Image<K> {
     const TAKES_BOTH_SIDES: bool = true;
 
     fn constant(value: f64) -> Self {
-        const SHORT: f64 = (1u64 << 53) as f64;
-        let doubled = 2.0 * value;
-        if doubled.fract() == 0.0 && doubled.abs() < SHORT {
-            return Self::halved(doubled as i64);
-        }
-        Number::from_f64(value).map_or(Self::NOT_DEFINED, Self::number)
+        Self::of_double(value)
     }
 
     fn number(number: Number) -> Self {
@@ -413,13 +382,7 @@ impl<const K: usize> Value for Image<K> {
     }
 
     fn power(self, halves: i32) -> Self {
-        if !self.is_defined() {
-            return self;
-        }
-        let base = if halves % 2 == 0 { self } else { self.root() };
-        let exponent = if halves % 2 == 0 { halves / 2 } else { halves };
-        let power = base.to_integer_power(exponent.unsigned_abs());
-        if exponent < 0 { Self::rational(Ratio::ONE).div(power) } else { power }
+        if self.is_defined() { self.to_half_power(halves) } else { self }
     }
 
     fn call(self, function: Function) -> Self {
@@ -481,22 +444,13 @@ impl<const K: usize> Value for Image<K> {
         Self::NOT_DEFINED
     }
 
+    /// Of rational numbers alone; of all others a [`condition`](Value::condition) is a number.
     fn less(self, other: Self) -> bool {
-        if let (Form::Rational(a), Form::Rational(b)) = (self.form, other.form)
-            && let Some(difference) = b.plus(a.negative())
-        {
-            return self.is_defined() && other.is_defined() && difference.numerator > 0;
-        }
-        let difference = other.sub(self);
-        difference.is_defined() && !difference.is_zero() && {
-            let (size, negative) = Prime::<K>::sign(difference.value);
-            (mixed(size) % 2 == 1) != negative
-        }
+        matches!(other.sub(self).form, Form::Rational(difference) if difference.numerator > 0)
     }
 
     fn less_equal(self, other: Self) -> bool {
-        let difference = other.sub(self);
-        difference.is_defined() && (difference.is_zero() || self.less(other))
+        self.is_equal(other) || self.less(other)
     }
 
     fn condition(self, other: Self, or_equal: bool) -> Self {

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::{Add, Mul, Neg};
 
+use super::element::Element;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::image::{Image, Images, NO_IMAGES, UNDEFINED};

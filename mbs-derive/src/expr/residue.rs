@@ -25,6 +25,7 @@
 //! sum that comes out as one, `2^61 x − 5102193 x`, is zero in one and not in the other. So whatever is decided is
 //! decided in both.
 
+use super::element::Element;
 use super::evaluate::Value;
 use super::field::{BASE, Prime, inverse, mixed, negative_of, product, sum};
 use super::function::{Binary, Function};
@@ -57,8 +58,6 @@ impl<const K: usize> Residue<K> {
     const N: u64 = Prime::<K>::N;
     const H: u64 = Prime::<K>::H;
 
-    const NOT_DEFINED: Self = Self::plain(UNDEFINED, 0, None);
-
     const fn plain(value: u64, angle: u64, exponent: Option<u64>) -> Self {
         Residue { value, angle, exponent, half_turns: Ratio::ZERO, rational: None }
     }
@@ -81,15 +80,6 @@ impl<const K: usize> Residue<K> {
     /// Whether it is zero.
     pub(crate) fn is_zero(self) -> bool {
         self.value == 0
-    }
-
-    fn rational(ratio: Ratio) -> Self {
-        let Ratio { numerator, denominator } = ratio;
-        let of = |modulus: u64| {
-            let [a, b] = [numerator, denominator].map(|n| i128::from(n).rem_euclid(i128::from(modulus)) as u64);
-            if b == 1 { a } else { product(a, inverse(b, modulus), modulus) }
-        };
-        Residue { rational: Some(ratio), ..Self::plain(of(Self::P), of(Self::N), Some(of(Self::H))) }.without_chance()
     }
 
     /// A number that is not zero, and a multiple of one of the moduli, has no value.
@@ -136,27 +126,6 @@ impl<const K: usize> Residue<K> {
         if negative { Prime::<K>::inverted(value) } else { value }
     }
 
-    /// The root that is a square, of a square.
-    fn root(self) -> Self {
-        if let Some(root) = self.rational.and_then(Ratio::root) {
-            return Self::rational(root);
-        }
-        let root = Prime::<K>::raised(self.value, Self::P.div_ceil(4));
-        if Prime::<K>::times(root, root) == self.value { Self::opaque(root) } else { Self::NOT_DEFINED }
-    }
-
-    fn to_integer_power(self, n: u32) -> Self {
-        let (mut result, mut square, mut rest) = (Self::rational(Ratio::ONE), self, n);
-        while rest > 0 {
-            if rest % 2 == 1 {
-                result = result.mul(square);
-            }
-            square = square.mul(square);
-            rest /= 2;
-        }
-        result
-    }
-
     fn size(self) -> Self {
         match self.rational {
             Some(ratio) => Self::rational(Ratio { numerator: ratio.numerator.abs(), ..ratio }),
@@ -165,14 +134,36 @@ impl<const K: usize> Residue<K> {
     }
 }
 
+impl<const K: usize> Element for Residue<K> {
+    const NOT_DEFINED: Self = Self::plain(UNDEFINED, 0, None);
+
+    fn rational(ratio: Ratio) -> Self {
+        let Ratio { numerator, denominator } = ratio;
+        let of = |modulus: u64| {
+            let [a, b] = [numerator, denominator].map(|n| i128::from(n).rem_euclid(i128::from(modulus)) as u64);
+            if b == 1 { a } else { product(a, inverse(b, modulus), modulus) }
+        };
+        Residue { rational: Some(ratio), ..Self::plain(of(Self::P), of(Self::N), Some(of(Self::H))) }.without_chance()
+    }
+
+    fn long(n: i128) -> Self {
+        let of = |modulus: u64| n.rem_euclid(i128::from(modulus)) as u64;
+        let number = Self::plain(of(Self::P), of(Self::N), Some(of(Self::H)));
+        let vanishes = number.value == 0 || number.angle == 0 || number.exponent == Some(0);
+        if vanishes && n != 0 { Self::NOT_DEFINED } else { number }
+    }
+
+    fn root(self) -> Self {
+        if let Some(root) = self.rational.and_then(Ratio::root) {
+            return Self::rational(root);
+        }
+        Prime::<K>::root(self.value).map_or(Self::NOT_DEFINED, Self::opaque)
+    }
+}
+
 impl<const K: usize> Value for Residue<K> {
     fn constant(value: f64) -> Self {
-        const SHORT: f64 = (1u64 << 53) as f64;
-        let doubled = 2.0 * value;
-        if doubled.fract() == 0.0 && doubled.abs() < SHORT {
-            return Self::halved(doubled as i64);
-        }
-        Number::from_f64(value).map_or(Self::NOT_DEFINED, Self::number)
+        Self::of_double(value)
     }
 
     fn number(number: Number) -> Self {
@@ -267,13 +258,7 @@ impl<const K: usize> Value for Residue<K> {
     }
 
     fn power(self, halves: i32) -> Self {
-        if !self.is_defined() {
-            return self;
-        }
-        let base = if halves % 2 == 0 { self } else { self.root() };
-        let exponent = if halves % 2 == 0 { halves / 2 } else { halves };
-        let power = base.to_integer_power(exponent.unsigned_abs());
-        if exponent < 0 { Self::rational(Ratio::ONE).div(power) } else { power }
+        if self.is_defined() { self.to_half_power(halves) } else { self }
     }
 
     fn call(self, function: Function) -> Self {
@@ -288,7 +273,7 @@ impl<const K: usize> Value for Residue<K> {
             Function::Cos => Self::opaque(self.on_circle().0),
             Function::Sin => Self::opaque(self.on_circle().1),
             Function::Tan => self.call(Function::Sin).div(self.call(Function::Cos)),
-            Function::Asin | Function::Atan => Self::keyed(function as u64, self.value),
+            Function::Asin | Function::Atan => Self::opaque(Prime::<K>::odd(function as u64, self.value)),
             Function::Acos => Self::number(Number::PI).div(two).sub(self.call(Function::Asin)),
             Function::Sinh => odd(),
             Function::Cosh => growing(),
@@ -308,7 +293,7 @@ impl<const K: usize> Value for Residue<K> {
             return Self::NOT_DEFINED;
         }
         match function {
-            Binary::Atan2 => Self::keyed(mixed(other.value), self.value),
+            Binary::Atan2 => Self::opaque(Prime::<K>::odd(mixed(other.value), self.value)),
             Binary::Powf => match other.rational.and_then(|n| n.times(Ratio::TWO)).and_then(Ratio::integer) {
                 Some(halves @ -1000..=1000) => self.power(halves as i32),
                 _ => Self::opaque(mixed(mixed(self.value) ^ other.value) % Self::P),
@@ -323,7 +308,7 @@ impl<const K: usize> Value for Residue<K> {
         if order > spline.degree() {
             Self::constant(0.0)
         } else {
-            Self::keyed(mixed(spline.key() ^ order as u64), self.value)
+            Self::opaque(Prime::<K>::odd(mixed(spline.key() ^ order as u64), self.value))
         }
     }
 
@@ -349,35 +334,6 @@ impl<const K: usize> Value for Residue<K> {
 
     fn is_exactly_zero(self) -> bool {
         self.rational == Some(Ratio::ZERO)
-    }
-}
-
-/// Numbers of other kinds.
-impl<const K: usize> Residue<K> {
-    /// An odd function of the value, another one for each tag.
-    fn keyed(tag: u64, value: u64) -> Self {
-        let (size, negative) = Prime::<K>::sign(value);
-        let image = if size == 0 { 0 } else { mixed(mixed(size) ^ tag) % Self::P };
-        Self::opaque(if negative { negative_of(image, Self::P) } else { image })
-    }
-
-    fn halved(n: i64) -> Self {
-        let whole = Ratio { numerator: n / 2, denominator: 1 };
-        Self::rational(if n % 2 == 0 { whole } else { Ratio { numerator: n, denominator: 2 } })
-    }
-
-    /// A number whose parts are too long for a [`Ratio`].
-    fn long(n: i128) -> Self {
-        let of = |modulus: u64| n.rem_euclid(i128::from(modulus)) as u64;
-        let number = Self::plain(of(Self::P), of(Self::N), Some(of(Self::H)));
-        let vanishes = number.value == 0 || number.angle == 0 || number.exponent == Some(0);
-        if vanishes && n != 0 { Self::NOT_DEFINED } else { number }
-    }
-
-    /// What a double holds, to the last bit.
-    fn dyadic(value: f64) -> Self {
-        let (mantissa, exponent) = libm::frexp(value);
-        Self::long((mantissa * (1u64 << 53) as f64) as i128).mul(Self::long(2).power(2 * (exponent - 53)))
     }
 }
 

@@ -1,6 +1,6 @@
 //! Linear systems in a field: what solves them, whatever the order of pivots is.
 
-use super::{Image, Value};
+use super::{Element, Image, Value};
 
 /// `M q̈ − Aᵀ λ = f`, `A q̈ = c`, reduced.
 pub(super) struct System<const K: usize> {
