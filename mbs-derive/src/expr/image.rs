@@ -20,7 +20,7 @@
 //!
 //! Unlike [`Residue`](super::Residue), with which the generator decides what is equal, this keeps terms apart that are
 //! products of others: powers of one base whose exponents are a, b and a b are no random point of a torus. And it
-//! shares nothing with what it proves but the field.
+//! shares nothing with what it proves but the arithmetic of the field.
 
 mod solve;
 
