@@ -131,6 +131,7 @@ impl<'g> Analysis<'g> {
             name: emit::type_name(derivation),
             dof: derivation.dof(),
             inputs: variable::count(&derivation.inputs),
+            constraints: derivation.constraints.len(),
             implements_mechanism: emit::implements_mechanism(derivation, options),
             code: emit::rust(derivation, self.sources.portable_name(), options),
             others: self.others(options),

@@ -175,9 +175,9 @@ impl Config {
 
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists
     /// their texts in `SOURCES` and `GENERATED`, and hands every mechanism to a macro of your choice:
-    /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1; … }`, module, type, number of
-    /// coordinates and of inputs; those that do not implement the trait `Mechanism`, for want of functions, are left
-    /// out. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
+    /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1 0; … }`, module, type, numbers of
+    /// coordinates, of inputs and of constraint rows; those that do not implement the trait `Mechanism`, for want of
+    /// functions, are left out. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked
     /// through.
     ///
     /// `include!(concat!(env!("OUT_DIR"), "/mechanisms.rs"));`
@@ -340,12 +340,12 @@ fn index(mechanisms: &[Made]) -> String {
     for Made { generated, .. } in mechanisms {
         text += &format!("    ({0:?}, include_str!(\"{0}.rs\")),\n", generated.module);
     }
-    text += "];\n\n/// Calls a macro with every mechanism that implements the trait `Mechanism`: module, type, number of coordinates\n";
-    text += "/// and of inputs.\n";
+    text += "];\n\n/// Calls a macro with every mechanism that implements the trait `Mechanism`: module, type, numbers of coordinates,\n";
+    text += "/// of inputs and of constraint rows.\n";
     text += "#[macro_export]\nmacro_rules! for_each_mechanism {\n    ($callback:ident) => {\n        $callback! {\n";
     for Made { generated, .. } in mechanisms.iter().filter(|made| made.generated.implements_mechanism) {
-        let Generated { module, name, dof, inputs, .. } = generated;
-        text += &format!("            {module} {name} {dof} {inputs};\n");
+        let Generated { module, name, dof, inputs, constraints, .. } = generated;
+        text += &format!("            {module} {name} {dof} {inputs} {constraints};\n");
     }
     text + "        }\n    };\n}\n"
 }

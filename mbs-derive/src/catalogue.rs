@@ -264,7 +264,7 @@ catalogue! {
             roots: |e, _| if_constrained(e, Roots::vector(&e.constraints.value)),
             doc: |about| format!("What must vanish: `φ(q, t)`, or `a·q̇ + b` of Pfaffian constraints, {}.", about.shape),
             notes: |about| about.rows(),
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::Constraint,
         }
         /// `A q̇ + b`
@@ -274,7 +274,7 @@ catalogue! {
             roots: |e, _| if_constrained(e, Roots::vector(&e.constraints.rate)),
             doc: |about| format!("What velocities must satisfy: `A q̇ + b`, {}.", about.shape),
             notes: |about| about.rows(),
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::ConstraintRate,
         }
         /// `∂(A q̇ + b)/∂q`
@@ -286,7 +286,7 @@ catalogue! {
                 "Derivatives `∂(A q̇ + b)/∂q`, {}, which the runtime's `Reduction` asks for.", about.shape
             ),
             notes: |about| about.rows(),
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::ConstraintRateJacobian,
         }
         /// A
@@ -296,7 +296,7 @@ catalogue! {
             roots: |e, _| if_constrained(e, Roots::matrix(&e.constraints.jacobian, e.symbols.q.len())),
             doc: |about| format!("Constraint matrix `A`, {}: `∂φ/∂q`, or `a` of Pfaffian constraints.", about.shape),
             notes: |about| about.rows(),
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::ConstraintBias,
         }
         /// γ
@@ -306,7 +306,7 @@ catalogue! {
             roots: |e, _| if_constrained(e, Roots::vector(&e.constraints.bias)),
             doc: |about| format!("Bias `γ = Ȧ q̇ + ḃ` of `A q̈ + γ = 0`, {}.", about.shape),
             notes: |about| about.rows(),
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::ConstraintBias,
         }
         /// λ
@@ -323,7 +323,7 @@ catalogue! {
                 let least = "Where rows depend on others they are the least of those that give the same `Aᵀ λ`.";
                 [about.rows(), vec![least.to_string()], about.where_singular()].concat()
             },
-            of_trait: None,
+            of_trait: Some(Trait::Constrained),
             claim: Claim::ForwardDynamics,
         }
     }

@@ -18,6 +18,8 @@ pub struct Generated {
     pub dof: usize,
     /// Number of inputs.
     pub inputs: usize,
+    /// Number of rows of the constraints.
+    pub constraints: usize,
     /// Whether the module implements `mbs_runtime::Mechanism`; not where only some functions were asked for.
     pub implements_mechanism: bool,
     /// The module's text.

@@ -25,8 +25,8 @@
 //! # From a mechanism to a motion
 //!
 //! A generated module implements [`Mechanism`], that is [`Dynamics`], [`Energies`], [`Linearized`] and the rest of the
-//! equations; an [`Integrator`] carries its [`State`] through time. Generated or, as here, by hand, for a pendulum of
-//! length `l` that hangs down at `q = 0`, turned by a torque `u`:
+//! equations, and where there are constraints [`Constrained`]; an [`Integrator`] carries its [`State`] through time.
+//! Generated or, as here, by hand, for a pendulum of length `l` that hangs down at `q = 0`, turned by a torque `u`:
 //!
 //! ```
 //! use core::ops::ControlFlow;
@@ -161,8 +161,8 @@ pub use integrator::{Acceleration, Integrator, Observer, Outcome, Step, Summary}
 #[cfg(feature = "nalgebra")]
 pub use matrix::{to_matrix, to_rows, to_vector};
 pub use mechanism::{
-    Dynamics, Energies, Instant, InverseDynamicsJacobian, Linearization, Linearized, Mechanism, Pose, Wrench,
-    accelerations, prescribed_accelerations,
+    Constrained, Dynamics, Energies, Instant, InverseDynamicsJacobian, Linearization, Linearized, Mechanism, Pose,
+    Wrench, accelerations, prescribed_accelerations,
 };
 pub use parameter::{ParameterCondition, ParameterError};
 pub use scalar::{Mask, Real, Scalar};

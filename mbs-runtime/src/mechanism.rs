@@ -54,9 +54,9 @@ impl<T: Scalar, const S: usize> Instant<T> for (T, [[T; 3]; S]) {
 /// | `q`, `qd`, `qdd` | coordinates, velocities, accelerations | `N`   | as declared, per s, per s²     |
 /// | `u`              | inputs                                 | `U`   | as declared                    |
 ///
-/// Functions, those of [`Energies`], [`Linearized`] and [`Mechanism`] too, are algebra: they give infinity or NaN where
-/// the equations do (a singular mass matrix), and never panic. A generated module implements what it has the functions
-/// of, all four unless only some functions were asked for.
+/// Functions, those of [`Energies`], [`Linearized`], [`Constrained`] and [`Mechanism`] too, are algebra: they give
+/// infinity or NaN where the equations do (a singular mass matrix), and never panic. A generated module implements what
+/// it has the functions of.
 ///
 /// The [front page](crate) implements it by hand for a pendulum.
 pub trait Dynamics<const N: usize, const U: usize> {
@@ -101,6 +101,51 @@ pub trait Linearized<const N: usize, const U: usize>: Dynamics<N, U> {
         qd: &[Self::Scalar; N],
         u: &[Self::Scalar; U],
     ) -> Linearization<Self::Scalar, N, U>;
+}
+
+/// The `K` rows of the constraints of a mechanism, and the forces that keep them.
+///
+/// ```text
+/// M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ
+/// A q̈ + γ = 0
+/// ```
+///
+/// Arguments are those of [`Dynamics`]. A generated module with constraints implements it beside
+/// [`Constraints`](crate::Constraints), which is what a [`Projector`](crate::Projector) asks for.
+pub trait Constrained<const N: usize, const U: usize, const K: usize>: Dynamics<N, U> {
+    /// The names of the rows; those of a constraint of three components `c` are `c_0`, `c_1`, `c_2`.
+    const CONSTRAINTS: [&'static str; K];
+    /// Whether a row is holonomic, `φ(q, t) = 0`; otherwise it is Pfaffian, `a(q, t)·q̇ + b(q, t) = 0`.
+    const HOLONOMIC: [bool; K];
+
+    /// What must vanish: `φ`, or `a·q̇ + b` of Pfaffian rows.
+    fn constraint(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; K];
+
+    /// What velocities must satisfy: `A q̇ + b`, with `b = ∂φ/∂t` of holonomic rows.
+    fn constraint_rate(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; K];
+
+    /// `∂(A q̇ + b)/∂q`, which a [`Reduction`](crate::Reduction) takes.
+    fn constraint_rate_jacobian(
+        &self,
+        t: Self::Time,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+    ) -> [[Self::Scalar; N]; K];
+
+    /// `A`: `∂φ/∂q`, or `a` of Pfaffian rows.
+    fn constraint_jacobian(&self, t: Self::Time, q: &[Self::Scalar; N]) -> [[Self::Scalar; N]; K];
+
+    /// `γ = Ȧ q̇ + ḃ`.
+    fn constraint_bias(&self, t: Self::Time, q: &[Self::Scalar; N], qd: &[Self::Scalar; N]) -> [Self::Scalar; K];
+
+    /// Lagrange's multipliers `λ`; where rows depend on others, the least of those that give the same `Aᵀ λ`.
+    fn multipliers(
+        &self,
+        t: Self::Time,
+        q: &[Self::Scalar; N],
+        qd: &[Self::Scalar; N],
+        u: &[Self::Scalar; U],
+    ) -> [Self::Scalar; K];
 }
 
 /// A mechanism with `N` coordinates and `U` inputs, all of its equations:

@@ -191,7 +191,7 @@ fn modules() {
 }
 
 macro_rules! run {
-    ($($module:ident $name:ident $n:literal $u:literal;)*) => {$(
+    ($($module:ident $name:ident $n:literal $u:literal $k:literal;)*) => {$(
         #[test]
         fn $module() {
             use mbs_runtime::Dynamics;

@@ -2,35 +2,60 @@
 //! that the compiled code is what the interpreter runs.
 
 use mbs_derive::interpret::{self, Interpreter};
-use mbs_derive::optimise::FunctionKind;
-use mbs_runtime::{Dual, Dynamics, Energies, Instant, Linearized, Mechanism, Scalar};
+use mbs_derive::optimise::{Derivation, FunctionKind};
+use mbs_runtime::{Constrained, Dual, Dynamics, Energies, Instant, Linearized, Mechanism, Scalar};
 use mbs_tests::compare::error;
 use mbs_tests::mechanisms as written;
 use mbs_tests::random::{Random, State, states};
 use mbs_tests::{derivation, source};
 
 macro_rules! check {
-    ($source:ident, $($module:ident $name:ident $n:literal $u:literal;)*) => {$(
+    ($source:ident, $($module:ident $name:ident $n:literal $u:literal $k:tt;)*) => {$(
         mod $module {
             use super::*;
             use $source::$module::$name;
 
             #[test]
             fn equations_fit_together() {
-                identities(stringify!($module), &$name::default());
+                identities(&$name::default(), rows!($u $k));
             }
 
             #[test]
             fn derivatives_are_those_of_dual_numbers() {
-                derivatives(stringify!($module), &$name::default(), &$name::default());
+                derivatives(&$name::default(), &$name::default(), rows!($u $k));
             }
 
             #[test]
             fn compiled_code_is_what_the_interpreter_runs() {
                 compiled_is_interpreted(stringify!($module), &$name::default());
             }
+
+            check_constraints!($module $name $k);
         }
     )*};
+}
+/// What those with constraints implement besides.
+macro_rules! check_constraints {
+    ($module:ident $name:ident 0) => {};
+    ($module:ident $name:ident $k:literal) => {
+        #[test]
+        fn constraints_are_the_rates_of_each_other() {
+            rates_of_constraints(&$name::default(), &$name::default());
+        }
+
+        #[test]
+        fn compiled_constraints_are_what_the_interpreter_runs() {
+            compiled_constraints_are_interpreted(stringify!($module), &$name::default());
+        }
+    };
+}
+macro_rules! rows {
+    ($u:literal 0) => {
+        |_, _, _, _| Rows::default()
+    };
+    ($u:literal $k:literal) => {
+        Rows::of::<_, $u, $k>
+    };
 }
 macro_rules! check_models {
     ($($mechanism:tt)*) => { check!(mbs_models, $($mechanism)*); };
@@ -40,7 +65,7 @@ macro_rules! check_written {
 }
 mbs_models::for_each_mechanism!(check_models);
 mbs_tests::for_each_mechanism!(check_written);
-check!(mbs_models, marine_platform MarinePlatform 4 10; assistive_arm AssistiveArm 4 7;);
+check!(mbs_models, marine_platform MarinePlatform 4 10 0; assistive_arm AssistiveArm 4 7 0;);
 
 /// Those of which only the functions of motions are generated.
 macro_rules! check_motions {
@@ -103,9 +128,10 @@ fn regular_states<const N: usize, const U: usize>(
 
 /// `M` symmetric and positive semidefinite, `p − p(0) = M q̇`, `T(q̇) + T(−q̇) − 2 T(0) = q̇ᵀ M q̇`, `C q̇ + G = h`,
 /// `M q̈ + h + ∂D/∂q̇ = τ`, and at the accelerations of forward dynamics `τ = Q + Aᵀλ` and `A q̈ + γ = 0`.
-fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(module: &str, mechanism: &M) {
-    let derivation = derivation(source(mbs_models::SOURCES, module));
-    let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
+fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
+    mechanism: &M,
+    rows: impl Fn(&M, &[f64; N], &[f64; N], &[f64; U]) -> Rows<N>,
+) {
     let mut random = Random::new(7);
     for State { q, qd, qdd } in regular_states(mechanism, 1, 60) {
         let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
@@ -134,7 +160,7 @@ fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
         let m_qdd = times(&m, &qdd);
         close("M q̈ + h + ∂D/∂q̇ = τ", &sum(&sum(&m_qdd, &h), &d), &tau, &[&m_qdd, &h]);
 
-        let at = constraints.at(&q, &qd, &u);
+        let at = rows(mechanism, &q, &qd, &u);
         let accelerations = mechanism.forward_dynamics(t, &q, &qd, &u);
         if accelerations.iter().all(|a| a.is_finite()) && well_conditioned(&m) && at.independent() {
             let (force, reaction) = (mechanism.generalized_force(t, &q, &qd, &u), at.force());
@@ -156,17 +182,15 @@ fn identities<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
 
 /// `linearize` and `inverse_dynamics_jacobian` against the same generated code run on dual numbers.
 fn derivatives<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
-    module: &str,
     mechanism: &M,
     dual: &impl Mechanism<N, U, Scalar = Dual<f64>>,
+    rows: impl Fn(&M, &[f64; N], &[f64; N], &[f64; U]) -> Rows<N>,
 ) {
-    let derivation = derivation(source(mbs_models::SOURCES, module));
-    let constraints = Constraints(Interpreter::new(&derivation), signals(M::Time::SIGNALS));
     let mut random = Random::new(11);
     for State { q, qd, qdd } in regular_states(mechanism, 2, 12) {
         let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
         let fixed = |x: f64| Dual::constant(x);
-        let at = constraints.at(&q, &qd, &u);
+        let at = rows(mechanism, &q, &qd, &u);
         skewness_and_balance(mechanism, dual, &State { q, qd, qdd }, &u, &at);
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
         for j in 0..N {
@@ -272,10 +296,8 @@ fn skewness_and_balance<const N: usize, const U: usize>(
     }
 }
 
-/// The functions of the constraints, which the trait has not, and the motions that are prescribed.
-struct Constraints<'d>(Interpreter<'d>, Vec<[f64; 3]>);
-
 /// Constraints at one state.
+#[derive(Default)]
 struct Rows<const N: usize> {
     /// A
     rows: Vec<[f64; N]>,
@@ -285,18 +307,20 @@ struct Rows<const N: usize> {
     multipliers: Vec<f64>,
 }
 
-impl Constraints<'_> {
-    fn at<const N: usize>(&self, q: &[f64; N], qd: &[f64; N], u: &[f64]) -> Rows<N> {
-        let [q, qd, u] = [q.as_slice(), qd, u].map(<[f64]>::to_vec);
-        let state = interpret::State { t: T, q, qd, qdd: vec![0.0; N], u, prescribed: self.1.clone() };
-        let call = |kind| self.0.rows(kind, &state);
-        let rows =
-            call(FunctionKind::ConstraintJacobian).chunks(N).map(|row| std::array::from_fn(|i| row[i])).collect();
-        Rows { rows, bias: call(FunctionKind::ConstraintBias), multipliers: call(FunctionKind::Multipliers) }
-    }
-}
-
 impl<const N: usize> Rows<N> {
+    fn of<M: Constrained<N, U, K, Scalar = f64>, const U: usize, const K: usize>(
+        mechanism: &M,
+        q: &[f64; N],
+        qd: &[f64; N],
+        u: &[f64; U],
+    ) -> Self {
+        Rows {
+            rows: mechanism.constraint_jacobian(instant(T), q).to_vec(),
+            bias: mechanism.constraint_bias(instant(T), q, qd).to_vec(),
+            multipliers: mechanism.multipliers(instant(T), q, qd, u).to_vec(),
+        }
+    }
+
     /// `Aᵀλ`.
     fn force(&self) -> [f64; N] {
         std::array::from_fn(|i| self.rows.iter().zip(&self.multipliers).map(|(row, lambda)| row[i] * lambda).sum())
@@ -310,37 +334,50 @@ impl<const N: usize> Rows<N> {
     }
 }
 
+/// `dφ/dt = A q̇ + b` of holonomic rows, the value of the others; `∂(A q̇ + b)/∂q̇ = A`; `d/dt (A q̇ + b) = A q̈ + γ`;
+/// and `∂(A q̇ + b)/∂q`.
+fn rates_of_constraints<M: Constrained<N, U, K, Scalar = f64>, const N: usize, const U: usize, const K: usize>(
+    mechanism: &M,
+    dual: &impl Constrained<N, U, K, Scalar = Dual<f64>>,
+) {
+    assert_eq!(M::CONSTRAINTS.len(), M::HOLONOMIC.len());
+    for State { q, qd, qdd } in states::<N>(5, 12) {
+        let (t, held, now) = (instant(T), instant(Dual::constant(T)), instant(Dual::variable(T)));
+        let along = |x: &[f64; N], rate: &[f64; N]| -> [Dual<f64>; N] {
+            std::array::from_fn(|i| Dual { value: x[i], derivative: rate[i] })
+        };
+        let (q_along, qd_along) = (along(&q, &qd), along(&qd, &qdd));
+        let rate = mechanism.constraint_rate(t, &q, &qd);
+        let value = dual.constraint(now, &q_along, &qd_along);
+        let found: [f64; K] =
+            std::array::from_fn(|i| if M::HOLONOMIC[i] { value[i].derivative } else { value[i].value });
+        close("dφ/dt = A q̇ + b", &found, &rate, &[]);
+        let a = mechanism.constraint_jacobian(t, &q);
+        let terms = a.map(|row| std::array::from_fn::<f64, N, _>(|i| row[i] * qdd[i]));
+        let gamma = mechanism.constraint_bias(t, &q, &qd);
+        let sums: [f64; K] = std::array::from_fn(|i| terms[i].iter().sum::<f64>() + gamma[i]);
+        let change = dual.constraint_rate(now, &q_along, &qd_along).map(|x| x.derivative);
+        close("d/dt (A q̇ + b) = A q̈ + γ", &change, &sums, &[&terms.concat(), &gamma]);
+        let of_rate = mechanism.constraint_rate_jacobian(t, &q, &qd);
+        for j in 0..N {
+            for (matrix, in_velocity) in [(&of_rate, false), (&a, true)] {
+                let (dq, dqd) = varied(&q, &qd, j, in_velocity);
+                let column = dual.constraint_rate(held, &dq, &dqd).map(|x| x.derivative);
+                close("∂(A q̇ + b)/∂x", &matrix.map(|row| row[j]), &column, &[&matrix.concat()]);
+            }
+        }
+    }
+}
+
 /// Bit for bit; to 1e-12 where the target has a fused multiply–add.
 fn compiled_is_interpreted<M: Mechanism<N, U, Scalar = f64>, const N: usize, const U: usize>(
     module: &str,
     mechanism: &M,
 ) {
-    let derivation = derivation(source(mbs_models::SOURCES, module));
-    let interpreter = Interpreter::new(&derivation);
-    let mut random = Random::new(13);
+    let (derivation, mut random) = (derivation(source(mbs_models::SOURCES, module)), Random::new(13));
     for State { q, qd, qdd } in states::<N>(3, 30) {
         let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
-        let state = interpret::State {
-            t: T,
-            q: q.to_vec(),
-            qd: qd.to_vec(),
-            qdd: qdd.to_vec(),
-            u: u.to_vec(),
-            prescribed: signals(M::Time::SIGNALS),
-        };
-        let same = |kind: FunctionKind, compiled: &[f64]| {
-            let (name, interpreted) =
-                (kind.name(), interpreter.call(kind, &state).expect("generated for every mechanism"));
-            assert_eq!(interpreted.len(), compiled.len(), "{module}::{name}");
-            for (a, b) in compiled.iter().zip(&interpreted) {
-                let equal = if cfg!(target_feature = "fma") {
-                    (a - b).abs() <= 1e-12 * (1.0 + interpreted.iter().fold(0.0, |s: f64, x| s.max(x.abs())))
-                } else {
-                    a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
-                };
-                assert!(equal, "{module}::{name}: compiled {a:?}, interpreted {b:?} at {state:?}");
-            }
-        };
+        let same = interpreted::<M, N, U>(&derivation, [&q, &qd, &qdd], &u);
         same(FunctionKind::KineticEnergy, &[mechanism.kinetic_energy(t, &q, &qd)]);
         same(FunctionKind::PotentialEnergy, &[mechanism.potential_energy(t, &q)]);
         same(FunctionKind::Momentum, &mechanism.momentum(t, &q, &qd));
@@ -357,6 +394,52 @@ fn compiled_is_interpreted<M: Mechanism<N, U, Scalar = f64>, const N: usize, con
         same(FunctionKind::Linearize, &blocks.concat());
         let jacobian = mechanism.inverse_dynamics_jacobian(t, &q, &qd, &qdd);
         same(FunctionKind::InverseDynamicsJacobian, &[jacobian.q.concat(), jacobian.qd.concat()].concat());
+    }
+}
+
+/// The functions of constraints are compiled to what the interpreter runs.
+fn compiled_constraints_are_interpreted<M, const N: usize, const U: usize, const K: usize>(module: &str, mechanism: &M)
+where
+    M: Constrained<N, U, K, Scalar = f64>,
+{
+    let (derivation, mut random) = (derivation(source(mbs_models::SOURCES, module)), Random::new(13));
+    assert_eq!(
+        (M::CONSTRAINTS.map(str::to_string).to_vec(), M::HOLONOMIC.to_vec()),
+        (derivation.constraints.clone(), derivation.holonomic.clone())
+    );
+    for State { q, qd, qdd } in states::<N>(3, 30) {
+        let (t, u) = (instant(T), random.array::<U>(-5.0..5.0));
+        let same = interpreted::<M, N, U>(&derivation, [&q, &qd, &qdd], &u);
+        same(FunctionKind::Constraint, &mechanism.constraint(t, &q, &qd));
+        same(FunctionKind::ConstraintRate, &mechanism.constraint_rate(t, &q, &qd));
+        same(FunctionKind::ConstraintRateJacobian, &mechanism.constraint_rate_jacobian(t, &q, &qd).concat());
+        same(FunctionKind::ConstraintJacobian, &mechanism.constraint_jacobian(t, &q).concat());
+        same(FunctionKind::ConstraintBias, &mechanism.constraint_bias(t, &q, &qd));
+        same(FunctionKind::Multipliers, &mechanism.multipliers(t, &q, &qd, &u));
+    }
+}
+
+/// Asserts that a function is interpreted to the values that it is compiled to.
+fn interpreted<'d, M: Dynamics<N, U, Scalar = f64>, const N: usize, const U: usize>(
+    derivation: &'d Derivation,
+    [q, qd, qdd]: [&[f64; N]; 3],
+    u: &[f64; U],
+) -> impl Fn(FunctionKind, &[f64]) + use<'d, M, N, U> {
+    let interpreter = Interpreter::new(derivation);
+    let [q, qd, qdd] = [q, qd, qdd].map(|x| x.to_vec());
+    let state = interpret::State { t: T, q, qd, qdd, u: u.to_vec(), prescribed: signals(M::Time::SIGNALS) };
+    move |kind, compiled| {
+        let name = format!("{}::{}", derivation.name, kind.name());
+        let interpreted = interpreter.call(kind, &state).expect("generated for every such mechanism");
+        assert_eq!(interpreted.len(), compiled.len(), "{name}");
+        for (a, b) in compiled.iter().zip(&interpreted) {
+            let equal = if cfg!(target_feature = "fma") {
+                (a - b).abs() <= 1e-12 * (1.0 + interpreted.iter().fold(0.0, |s: f64, x| s.max(x.abs())))
+            } else {
+                a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
+            };
+            assert!(equal, "{name}: compiled {a:?}, interpreted {b:?} at {state:?}");
+        }
     }
 }
 

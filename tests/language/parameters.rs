@@ -4,7 +4,7 @@ use mbs_runtime::{ParameterCondition, ParameterError};
 use mbs_tests::mechanisms::charged_particle::{ChargedParticle, Params};
 
 macro_rules! defaults_are_accepted {
-    ($($module:ident $name:ident $dof:literal $inputs:literal;)*) => {
+    ($($module:ident $name:ident $dof:literal $inputs:literal $rows:literal;)*) => {
         $(
             assert_eq!(mbs_models::$module::Params::<f64>::default().check(), Ok(()), stringify!($name));
             assert_eq!(mbs_models::$module::Params::<f32>::default().check(), Ok(()), stringify!($name));

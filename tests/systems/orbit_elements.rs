@@ -236,8 +236,8 @@ fn bad_input_is_refused_with_its_value() {
     // Far out the anomaly is that of the asymptote, and says nothing of the place.
     let far = Elements::from_state(1.0, &StateVector::new([1e17, 0.0, 0.0], [1.5e-8, 1e-17, 0.0])).unwrap_err();
     assert_eq!(far, Failure::NearlyStraight { semi_latus_rectum: 1.0, distance: 1e17 }.into());
-    let expected = "at the distance 100000000000000000 an orbit of the semi-latus rectum 1 is too nearly a straight line: its \
-                    elements would not give the state back";
+    let expected = "at the distance 100000000000000000 m an orbit of the semi-latus rectum 1 m is too nearly a straight line: \
+                    its elements would not give the state back";
     assert_eq!(far.to_string(), expected);
     let negative = Elements { semi_latus_rectum: -1.0, ..elements };
     assert_eq!(negative.to_state(1.0), Err(Must::BePositive.broken_by("semi_latus_rectum", -1.0).into()));

@@ -60,7 +60,7 @@ impl Kept {
             return None;
         }
         let words: Vec<&str> = line.split(' ').collect();
-        let (&[module, name, dof, inputs, implements], files) = words.split_first_chunk()?;
+        let (&[module, name, dof, inputs, constraints, implements], files) = words.split_first_chunk()?;
         let code = fs::read_to_string(self.folder.join(format!("{module}.rs"))).ok()?;
         let other = |file: &&str| Some((file.to_string(), fs::read_to_string(self.folder.join(file)).ok()?));
         let others = files.iter().map(other).collect::<Option<Vec<_>>>()?;
@@ -70,6 +70,7 @@ impl Kept {
             name: name.into(),
             dof: dof.parse().ok()?,
             inputs: inputs.parse().ok()?,
+            constraints: constraints.parse().ok()?,
             implements_mechanism: implements.parse().ok()?,
             code,
             others,
@@ -79,9 +80,9 @@ impl Kept {
 
     /// The name of the record's file, and its text.
     pub(super) fn record(&self, made: &Generated) -> (&str, String) {
-        let Generated { module, name, dof, inputs, implements_mechanism, code, others, warnings } = made;
+        let Generated { module, name, dof, inputs, constraints, implements_mechanism, code, others, warnings } = made;
         let files: String = others.iter().map(|(file, _)| format!(" {file}")).collect();
-        let line = format!("{module} {name} {dof} {inputs} {implements_mechanism}{files}");
+        let line = format!("{module} {name} {dof} {inputs} {constraints} {implements_mechanism}{files}");
         let content = format!("{}\n{line}\n{warnings}", self.request);
         (&self.file, format!("{}\n{content}", sum_of(&content, code, others)))
     }
@@ -125,7 +126,17 @@ mod tests {
         let [module, name, code] = ["m", "M", "pub struct M;\n"].map(String::from);
         let warnings = "warning: a\n --> b\n".to_string();
         let others = vec![("m.h".to_string(), "struct m;\n".to_string())];
-        let made = Generated { module, name, dof: 2, inputs: 1, implements_mechanism: true, code, others, warnings };
+        let made = Generated {
+            module,
+            name,
+            dof: 2,
+            inputs: 1,
+            constraints: 3,
+            implements_mechanism: true,
+            code,
+            others,
+            warnings,
+        };
         let (file, record) = ours.record(&made);
         let files = [folder.join(file), folder.join("m.rs"), folder.join("m.h")];
         let texts = [record.as_bytes(), made.code.as_bytes(), made.others[0].1.as_bytes()];

@@ -91,13 +91,16 @@ pub(crate) enum Trait {
     Energies,
     /// `Linearized`
     Linearized,
+    /// `Constrained`
+    Constrained,
     /// `Mechanism`
     Mechanism,
 }
 
 impl Trait {
     /// Each after those that it rests on.
-    pub(crate) const ALL: [Trait; 4] = [Trait::Dynamics, Trait::Energies, Trait::Linearized, Trait::Mechanism];
+    pub(crate) const ALL: [Trait; 5] =
+        [Trait::Dynamics, Trait::Energies, Trait::Linearized, Trait::Mechanism, Trait::Constrained];
 
     /// Its name in the runtime.
     pub(crate) fn name(self) -> &'static str {
@@ -105,15 +108,21 @@ impl Trait {
             Trait::Dynamics => "Dynamics",
             Trait::Energies => "Energies",
             Trait::Linearized => "Linearized",
+            Trait::Constrained => "Constrained",
             Trait::Mechanism => "Mechanism",
         }
+    }
+
+    /// How many of the numbers of coordinates, inputs and constraint rows it is generic over.
+    pub(crate) fn sizes(self) -> usize {
+        if self == Trait::Constrained { 3 } else { 2 }
     }
 
     /// The traits that it extends.
     pub(crate) fn rests_on(self) -> &'static [Trait] {
         match self {
             Trait::Dynamics => &[],
-            Trait::Energies | Trait::Linearized => &[Trait::Dynamics],
+            Trait::Energies | Trait::Linearized | Trait::Constrained => &[Trait::Dynamics],
             Trait::Mechanism => &[Trait::Dynamics, Trait::Energies, Trait::Linearized],
         }
     }

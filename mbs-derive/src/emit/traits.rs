@@ -61,11 +61,16 @@ impl Emitter<'_> {
 
     fn implementation(&self, of: Trait, functions: &[&(usize, &Function)]) -> TokenStream {
         let (name, of_runtime) = (ident(&self.names.mechanism), ident(of.name()));
-        let [n, u] = [self.derivation.dof(), self.inputs()].map(Literal::usize_unsuffixed);
-        let items = (of == Trait::Dynamics).then(|| self.declared());
+        let sizes = [self.derivation.dof(), self.inputs(), self.derivation.constraints.len()];
+        let sizes = sizes[..of.sizes()].iter().map(|&size| Literal::usize_unsuffixed(size));
+        let items = match of {
+            Trait::Dynamics => self.declared(),
+            Trait::Constrained => self.rows(),
+            Trait::Energies | Trait::Linearized | Trait::Mechanism => TokenStream::new(),
+        };
         let functions = functions.iter().map(|function| self.forwarded(function));
         quote! {
-            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::#of_runtime<#n, #u> for #name<T> {
+            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::#of_runtime<#(#sizes),*> for #name<T> {
                 #items
                 #(#functions)*
             }
@@ -92,6 +97,16 @@ impl Emitter<'_> {
             const NAME: &'static str = #declared;
             const COORDINATES: [&'static str; #n] = [#(#coordinates),*];
             const INPUTS: [&'static str; #u] = [#(#inputs),*];
+        }
+    }
+
+    /// The names of `Constrained`.
+    fn rows(&self) -> TokenStream {
+        let (names, holonomic) = (&self.derivation.constraints, &self.derivation.holonomic);
+        let rows = Literal::usize_unsuffixed(names.len());
+        quote! {
+            const CONSTRAINTS: [&'static str; #rows] = [#(#names),*];
+            const HOLONOMIC: [bool; #rows] = [#(#holonomic),*];
         }
     }
 

@@ -89,10 +89,12 @@ pub enum Failure {
         excess: f64,
     },
     /// A joint, an axis or a leg goes beyond a limit.
-    #[error("{quantity} {index} comes to {value}, its limit is {limit}")]
+    #[error("{quantity} {index} comes to {value} {unit}, its limit is {limit} {unit}")]
     LimitExceeded {
         /// The name of what is limited, as in `velocity of joint`.
         quantity: &'static str,
+        /// Its unit.
+        unit: &'static str,
         /// The number of the joint, axis or leg.
         index: usize,
         /// The value it comes to.
@@ -137,14 +139,14 @@ pub enum Failure {
         distance: f64,
     },
     /// A motion along a straight line meets the centre on the way, as far as rounding lets tell.
-    #[error("falls into the centre of attraction after {time}")]
+    #[error("falls into the centre of attraction after {time} s")]
     Falls {
         /// When, from the given state on \[s\]; negative before it.
         time: f64,
     },
     /// An orbit is so nearly a straight line that its elements, as they are rounded, would not give the state back.
     #[error(
-        "at the distance {distance} an orbit of the semi-latus rectum {semi_latus_rectum} is too nearly a straight \
+        "at the distance {distance} m an orbit of the semi-latus rectum {semi_latus_rectum} m is too nearly a straight \
          line: its elements would not give the state back"
     )]
     NearlyStraight {

@@ -171,7 +171,7 @@ fn joints_at_the_end_of_their_range_are_named() {
     let line = line_from(&arm, &START, [0.0; 3], [0.0, 2.0, 0.0]);
     let error = CartesianPath::<33>::new(&arm, line, &START).unwrap_err();
     let s = place(&error);
-    let Failure::LimitExceeded { quantity: POSITION, index: joint, value: angle, limit } = error.failure else {
+    let Failure::LimitExceeded { quantity: POSITION, index: joint, value: angle, limit, .. } = error.failure else {
         panic!("{error}")
     };
     assert!((angle - limit).abs() < 1e-7, "joint {joint} at {angle}, limit {limit}");

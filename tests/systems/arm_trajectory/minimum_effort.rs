@@ -132,7 +132,7 @@ fn what_cannot_be_is_named() {
     assert_eq!(limited(Limits { lower: [2.0], upper: [1.0], ..Limits::NONE }), crossed.into());
     assert_eq!(
         limited(Limits { upper: [0.5], ..Limits::NONE }),
-        Failure::LimitExceeded { quantity: POSITION, index: 0, value: 1.0, limit: 0.5 }.at_time(2.0)
+        Failure::LimitExceeded { quantity: POSITION, unit: "rad", index: 0, value: 1.0, limit: 0.5 }.at_time(2.0)
     );
     // 1 rad in 2 s asks for 1 N·m at least, bang-bang.
     let found = limited(Limits { input: [0.9], ..Limits::NONE });

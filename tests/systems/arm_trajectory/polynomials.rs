@@ -172,15 +172,16 @@ fn limits_that_are_exceeded_are_named() {
     let ranges = [[-1.0, 1.5]; 2];
     let highest = motion.position_extrema()[1].highest;
     assert!(highest.value > 1.5);
-    let error =
-        Failure::LimitExceeded { quantity: POSITION, index: 1, value: highest.value, limit: 1.5 }.at_time(highest.time);
+    let error = Failure::LimitExceeded { quantity: POSITION, unit: "rad", index: 1, value: highest.value, limit: 1.5 }
+        .at_time(highest.time);
     assert_eq!(motion.check_ranges(&ranges), Err(error));
     assert_eq!(motion.check_ranges(&[[-1.0, 1.5], [-1.0, 9.0]]), Ok(()));
 
     let fastest = motion.velocity_extrema()[0].highest;
     let limits = RateLimits { speed: [0.5, 9.0], acceleration: [9.0; 2] };
     let error =
-        Failure::LimitExceeded { quantity: VELOCITY, index: 0, value: fastest.value, limit: 0.5 }.at_time(fastest.time);
+        Failure::LimitExceeded { quantity: VELOCITY, unit: "rad/s", index: 0, value: fastest.value, limit: 0.5 }
+            .at_time(fastest.time);
     assert!((fastest.time - 2.0).abs() < 1e-14);
     assert_eq!(motion.check_rates(&limits), Err(error));
     let limits = RateLimits { speed: [9.0; 2], acceleration: [1.0, 9.0] };

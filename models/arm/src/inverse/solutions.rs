@@ -88,6 +88,7 @@ impl Solutions {
         Err(best
             .map_or(Failure::Missing("configuration to choose from"), |(index, value)| Failure::LimitExceeded {
                 quantity: EXCESS,
+                unit: "rad",
                 index,
                 value,
                 limit: 0.0,

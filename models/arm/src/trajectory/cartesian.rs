@@ -230,7 +230,7 @@ impl<const K: usize> JointPath<6> for CartesianPath<'_, K> {
 }
 
 fn out_of_range(index: usize, value: f64, limit: f64) -> Failure {
-    Failure::LimitExceeded { quantity: POSITION, index, value, limit }
+    Failure::LimitExceeded { quantity: POSITION, unit: "rad", index, value, limit }
 }
 
 fn check_start(arm: &Arm, line: &FlangeLine, start: &JointVector) -> Result<(), Error> {

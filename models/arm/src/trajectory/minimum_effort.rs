@@ -200,15 +200,15 @@ impl<const N: usize, const U: usize> Transfer<N, U> {
             check::finite(POSITION, *q)?;
             check::finite(VELOCITY, *qd)?;
             for index in 0..N {
-                let exceeded = |quantity, value, limit| {
-                    Err(Failure::LimitExceeded { quantity, index, value, limit }.at_time(time))
+                let exceeded = |quantity, unit, value, limit| {
+                    Err(Failure::LimitExceeded { quantity, unit, index, value, limit }.at_time(time))
                 };
                 let nearest = q[index].clamp(limits.lower[index], limits.upper[index]);
                 if nearest != q[index] {
-                    return exceeded(POSITION, q[index], nearest);
+                    return exceeded(POSITION, "rad", q[index], nearest);
                 }
                 if qd[index].abs() > limits.speed[index] {
-                    return exceeded(VELOCITY, qd[index], limits.speed[index]);
+                    return exceeded(VELOCITY, "rad/s", qd[index], limits.speed[index]);
                 }
             }
         }

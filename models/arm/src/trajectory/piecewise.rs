@@ -159,7 +159,8 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
                 (highest, high, highest.value > high + LIMIT_TOLERANCE),
             ] {
                 if beyond {
-                    return Err(Failure::LimitExceeded { quantity: POSITION, index, value, limit }.at_time(time));
+                    let (quantity, unit) = (POSITION, "rad");
+                    return Err(Failure::LimitExceeded { quantity, unit, index, value, limit }.at_time(time));
                 }
             }
         }
@@ -173,13 +174,13 @@ impl<const N: usize, const P: usize> Piecewise<N, P> {
     /// [`Failure::Invalid`] if a limit is not positive.
     pub fn check_rates(&self, limits: &RateLimits<N>) -> Result<(), Error> {
         limits.check()?;
-        let velocity = (VELOCITY, self.velocity_extrema(), &limits.speed);
-        let acceleration = (ACCELERATION, self.acceleration_extrema(), &limits.acceleration);
-        for (quantity, extrema, limits) in [velocity, acceleration] {
+        let velocity = (VELOCITY, "rad/s", self.velocity_extrema(), &limits.speed);
+        let acceleration = (ACCELERATION, "rad/s²", self.acceleration_extrema(), &limits.acceleration);
+        for (quantity, unit, extrema, limits) in [velocity, acceleration] {
             for (index, (extrema, &limit)) in extrema.iter().zip(limits).enumerate() {
                 let Extremum { value, time } = extrema.farthest();
                 if value.abs() > limit {
-                    return Err(Failure::LimitExceeded { quantity, index, value, limit }.at_time(time));
+                    return Err(Failure::LimitExceeded { quantity, unit, index, value, limit }.at_time(time));
                 }
             }
         }
