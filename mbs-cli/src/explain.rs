@@ -154,7 +154,7 @@ mod tests {
         };
         let graph = Graph::verbatim();
         match Analysis::of(&sources, &graph) {
-            Ok(analysis) => match analysis.prove() {
+            Ok(analysis) => match analysis.prove(analysis.programs()) {
                 Ok(proof) => analysis.warnings(Some(&proof)).iter().map(Diagnostic::code).collect(),
                 Err(error) => error.codes().into_iter().collect(),
             },

@@ -157,7 +157,7 @@ pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> 
     let analysis = Analysis::of(sources, &graph).map_err(refused)?;
     let derive_seconds = start.elapsed().as_secs_f64();
 
-    let proof = analysis.prove().map_err(refused)?;
+    let proof = analysis.prove(analysis.programs()).map_err(refused)?;
     let also = also(&analysis);
     let mechanism = Mechanism {
         bodies: analysis.lagrangian().bodies().0.len(),

@@ -92,7 +92,7 @@ fn snapshot(template: Template) -> Result<(String, String), Failure> {
     let graph = Graph::verbatim();
     let refused = |error: Error| Failure::from(Messages::of_error(&error, &sources));
     let analysis = Analysis::of(&sources, &graph).map_err(refused)?;
-    analysis.prove().map_err(refused)?;
+    analysis.prove(analysis.programs()).map_err(refused)?;
     let review = analysis.programs().review(sources.portable_name());
     let expression = format!("mbs_derive::review(\"{file}\").unwrap()");
     let text = format!("---\nsource: tests/review.rs\nexpression: {expression:?}\n---\n{review}");

@@ -97,12 +97,28 @@ impl<'g> Analysis<'g> {
         optimise::compared(&derive::all_routes(&self.lagrangian, &graph))
     }
 
-    /// Holds the programs against the energies at random states.
+    /// Holds programs against the energies: those of this mechanism, or others that claim to be as good.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, optimise::Instruction, source::Sources};
+    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+    /// assert!(analysis.prove(analysis.programs()).is_ok());
+    ///
+    /// let mut programs = analysis.programs().clone();
+    /// let wrong = |instruction: &mut Instruction| match *instruction {
+    ///     Instruction::Mul(a, b) => *instruction = Instruction::Add(a, b),
+    ///     _ => {}
+    /// };
+    /// programs.functions.iter_mut().flat_map(|function| &mut function.program.instructions).for_each(wrong);
+    /// assert!(analysis.prove(&programs).is_err());
+    /// ```
     ///
     /// # Errors
     /// [`Error::Proof`] where they disagree, or there are too few finite states.
-    pub fn prove(&self) -> Result<Proof, Error> {
-        Ok(Proof::of(&self.lagrangian, &self.programs)?)
+    pub fn prove(&self, programs: &Derivation) -> Result<Proof, Error> {
+        Ok(Proof::of(&self.lagrangian, programs)?)
     }
 
     /// What is to be said of the declaration, and of what the proof, where there is one, has not reached.
@@ -119,7 +135,7 @@ impl<'g> Analysis<'g> {
     /// # Errors
     /// As [`prove`](Self::prove); [`Error::UnknownFunction`] if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
-        let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove()?)));
+        let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
         for name in options.functions.iter().flatten() {
             if derivation.named(name).is_none() {
                 let known = derivation.functions.iter().map(|f| f.name.clone()).collect();

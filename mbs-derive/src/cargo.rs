@@ -63,7 +63,8 @@ pub fn try_compile(file: impl AsRef<Path>) -> Result<(), Report> {
 pub fn review(file: impl AsRef<Path>) -> Result<String, Report> {
     let sources = read(file.as_ref())?;
     let graph = Graph::verbatim();
-    let proved = Analysis::of(&sources, &graph).and_then(|analysis| analysis.prove().map(|_| analysis));
+    let proved =
+        Analysis::of(&sources, &graph).and_then(|analysis| analysis.prove(analysis.programs()).map(|_| analysis));
     let analysis = proved.map_err(|error| Report(error.render_in(&sources)))?;
     Ok(analysis.programs().review(sources.portable_name()))
 }

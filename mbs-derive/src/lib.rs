@@ -47,6 +47,7 @@ mod generated;
 mod import;
 pub mod interpret;
 mod latex;
+mod mistake;
 pub mod model;
 pub mod numeric;
 pub mod optimise;

@@ -69,7 +69,8 @@ pub(crate) const TOLERANCE: f64 = 1e-9;
 /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
 /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
 /// let graph = Graph::verbatim();
-/// let proof = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap().prove().unwrap();
+/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+/// let proof = analysis.prove(analysis.programs()).unwrap();
 /// assert!(proof.states >= mbs_derive::verify::STATES && proof.singular == 0);
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -105,7 +105,7 @@ impl Core {
             Written::Calls(mechanism) => Analysis::written(mechanism, &graph, freeze),
         };
         let analysis = analysis.map_err(wrong)?;
-        let proof = analysis.prove().map_err(wrong)?;
+        let proof = analysis.prove(analysis.programs()).map_err(wrong)?;
         let warnings = analysis.warnings(Some(&proof)).render_in(&written.sources());
         let latex = analysis.latex();
         let derivation = analysis.into_programs();

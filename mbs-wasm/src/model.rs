@@ -59,7 +59,7 @@ impl Model {
         let refused = |error| Failure::of_model(&error, &sources);
         let graph = Graph::verbatim();
         let analysis = Analysis::of(&sources, &graph).map_err(refused)?;
-        let proof = analysis.prove().map_err(refused)?;
+        let proof = analysis.prove(analysis.programs()).map_err(refused)?;
         let warnings = analysis.warnings(Some(&proof));
         let mut description = describe(analysis.programs());
         description["proof"] = json!({ "states": proof.states, "singular": proof.singular });

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let start = std::time::Instant::now();
         let graph = Graph::verbatim();
         let analysis = Analysis::of(&sources, &graph).map_err(|error| error.render_in(&sources))?;
-        analysis.prove()?;
+        analysis.prove(analysis.programs())?;
         let seconds = start.elapsed().as_secs_f64();
         let derivation = analysis.into_programs();
         let states = request["states"].as_array().ok_or("no states")?;

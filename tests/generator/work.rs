@@ -20,7 +20,7 @@ impl Work {
         let Ok(sources) = mbs_derive::read(file) else { return Work { nodes: 0, proof: 0 } };
         let Ok(analysis) = Analysis::of(&sources, &graph) else { return Work { nodes: graph.len(), proof: 0 } };
         let instructions: usize = analysis.programs().functions.iter().map(|f| f.program.instructions.len()).sum();
-        let states = analysis.prove().map_or(0, |proof| proof.states);
+        let states = analysis.prove(analysis.programs()).map_or(0, |proof| proof.states);
         Work { nodes: analysis.nodes(), proof: instructions * states }
     }
 }

@@ -60,7 +60,7 @@ fn derived(job: &Job) -> (Vec<Diagnostic>, Vec<(String, usize)>) {
     let Ok(analysis) = Analysis::of(&job.sources, &graph) else { return Default::default() };
     let functions = analysis.programs().functions.iter();
     let costs = functions.map(|function| (function.name.clone(), function.operations.flops())).collect();
-    let found = match analysis.prove() {
+    let found = match analysis.prove(analysis.programs()) {
         Ok(proof) => analysis.warnings(Some(&proof)),
         Err(error) => {
             // About the mechanism as a whole.

@@ -7,6 +7,7 @@ use crate::expr::{
     Expr, Graph, Id, Node, Rounded, Symbol, Verdict, degree_is_at_most, evaluate, gradient, substitute,
     vanishes as is_zero_everywhere,
 };
+use crate::mistake::rule;
 use crate::model::Lagrangian;
 use crate::numeric::Random;
 use crate::variable::component_names;
@@ -117,7 +118,10 @@ fn energy_integral<'g>(lagrange: &Lagrange<'g>, energies: &Energies<'g>, symbols
     let cancels = !linear.is_zero() && is_zero_everywhere(dot_velocity(&constant) - linear) == Verdict::Holds;
     let integral = match cancels {
         true => dot_velocity(&varying) - rest,
-        false => dot_velocity(&lagrange.momentum) - energies.lagrangian,
+        false => {
+            let twice_kinetic = dot_velocity(&lagrange.momentum);
+            rule!("Jacobi's integral", twice_kinetic - energies.lagrangian, twice_kinetic + energies.lagrangian)
+        }
     };
     if !depends_on_time(integral) {
         return integral;

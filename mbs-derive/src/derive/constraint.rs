@@ -5,6 +5,7 @@
 //! q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ`.
 
 use crate::expr::{Expr, Graph, Symbol, Tangent, carry_out, gradient};
+use crate::mistake::rule;
 use crate::model::{ConstraintKind, Lagrangian};
 
 use super::lagrange::{at_rest, velocity_direction};
@@ -42,7 +43,8 @@ pub(crate) fn constraints<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, sym
             all.rate_jacobian.push(gradient(rate, &symbols.q));
             all.jacobian.push(at_rest(&gradient(rate, &symbols.qd)));
             all.drift.push(at_rest(&[rate])[0]);
-            all.bias.push(Tangent::new(|symbol| velocity_direction(symbol, row)).of(rate));
+            let bias = Tangent::new(|symbol| velocity_direction(symbol, row)).of(rate);
+            all.bias.push(rule!("the bias of a constraint", bias, -bias));
         }
     }
     all

@@ -1,6 +1,7 @@
 //! Lagrange's equations by degree in the velocities.
 
 use crate::expr::{Expr, Symbol, Tangent, gradient, hessian, substitute};
+use crate::mistake::rule;
 
 use super::{Energies, Lagrange, Rows, Symbols, time_derivative};
 
@@ -48,7 +49,8 @@ fn coriolis_matrix<'g>(m: &Rows<'g>, momentum: &[Expr<'g>], a: &[Expr<'g>], symb
     let mut entry = |i: usize, j: usize| {
         let (row, column) = (i.max(j), i.min(j));
         let m_dot = dt.of(m[row][column]) + partial_t.of(m[row][column]);
-        (m_dot + (p[i][j] - p[j][i])) / 2 + (da[i][j] - da[j][i])
+        let gyroscopic = da[i][j] - da[j][i];
+        (m_dot + (p[i][j] - p[j][i])) / 2 + rule!("gyroscopic terms", gyroscopic, -gyroscopic)
     };
     (0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect()
 }
@@ -57,7 +59,10 @@ fn coriolis_matrix<'g>(m: &Rows<'g>, momentum: &[Expr<'g>], a: &[Expr<'g>], symb
 fn gravity<'g>(rest: Expr<'g>, a: &[Expr<'g>], symbols: &Symbols) -> Vec<Expr<'g>> {
     let mut partial_t = Tangent::new(|symbol| time_direction(symbol, rest));
     let slope = gradient(rest, &symbols.q);
-    a.iter().zip(slope).map(|(&a, slope)| partial_t.of(a) - slope).collect()
+    a.iter()
+        .zip(slope)
+        .map(|(&a, slope)| rule!("the gravity of what moves in time", partial_t.of(a) - slope, -slope))
+        .collect()
 }
 
 /// `ṗ`

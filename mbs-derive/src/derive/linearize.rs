@@ -8,6 +8,7 @@ use crate::equations::{
     Constraints, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, Linearization, Rows, Symbols,
 };
 use crate::expr::{Expr, Symbol, gradient, substitute};
+use crate::mistake::rule;
 
 use super::Form;
 use super::lagrange::{jacobian_by_rows, sub, transpose};
@@ -56,7 +57,8 @@ pub(crate) fn linearization<'g>(
         is_less_force.then(|| less_force(&inverse_dynamics_slopes[i], lagrange.generalized_force[i], &x.concat()))?
     };
     let row = |i: usize| known(i).unwrap_or_else(|| gradient(residual[i], &x.concat()));
-    let slopes = negative(&(0..residual.len()).map(row).collect());
+    let residual_slopes = (0..residual.len()).map(row).collect();
+    let slopes = rule!("the sign of a linearization", negative(&residual_slopes), residual_slopes);
     let [q, qd, u, parameters] = split(&slopes, x.map(<[_]>::len));
     let [q, qd, u] = together(form, [q, qd, u]);
     let parameters = form.rows(&parameters);

@@ -12,6 +12,7 @@
 //! joints.
 
 use crate::expr::{Expr, Graph, Kept, Symbol, gradient, gradient_of_combination, substitute};
+use crate::mistake::rule;
 use crate::model::{Lagrangian, lagrangian::AUXILIARY};
 
 use super::constraint;
@@ -64,7 +65,8 @@ impl<'g> Reactions<'g> {
             Route::Structured => self.structured(Masses::Regrouped)?,
             Route::Ungrouped => self.structured(Masses::AsDeclared)?,
         };
-        let mut all = sub(&net, &self.constraint_force).into_iter();
+        let less = &self.constraint_force;
+        let mut all = rule!("reactions to constraints", sub(&net, less), add(&net, less)).into_iter();
         let wrenches = self.counts.iter().map(|&count| all.by_ref().take(count).collect::<Vec<_>>());
         let kept = self.factors();
         Some(match route {

@@ -15,6 +15,7 @@
 
 use crate::equations::{Constraints, Factorization, ForwardDynamics, Lagrange, Rows, Step};
 use crate::expr::Expr;
+use crate::mistake::rule;
 
 /// Up to this many coordinates the factorization of M is unrolled in the generated function; beyond, the runtime's loop
 /// takes the mass matrix, because `n³/6` statements would be slower than a loop.
@@ -50,7 +51,7 @@ impl<'g> Factorization<'g> {
                 row[j].note(format_args!("l_{i}_{j}"));
             }
             // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ
-            let pivot = (0..i).fold(m[i][i], |sum, k| sum - scaled[k] * row[k]);
+            let pivot = (0..i).fold(m[i][i], |sum, k| sum - rule!("a pivot", scaled[k], row[k]) * row[k]);
             pivot.note(format_args!("d_{i}"));
             reciprocal.push(pivot.powi(-1));
             lower.push(row);

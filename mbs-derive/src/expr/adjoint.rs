@@ -1,5 +1,7 @@
 //! Reverse sweep: the gradient of one expression at a small multiple of its own cost.
 
+use crate::mistake::rule;
+
 use super::graph::{Expr, Graph, Id, Node, Symbol};
 use super::table::Table;
 use super::tangent::{Tangent, power_derivative};
@@ -168,7 +170,10 @@ fn partials<'g>(expr: Expr<'g>) -> impl Iterator<Item = (Id, Partial<'g>)> {
         Node::Rate(_) => unreachable!("time derivatives are carried out before others"),
         Node::Neg(a) => (Some((a, Partial::MinusOne)), None),
         Node::Add(a, b) => (Some((a, Partial::One)), Some((b, Partial::One))),
-        Node::Sub(a, b) => (Some((a, Partial::One)), Some((b, Partial::MinusOne))),
+        Node::Sub(a, b) => {
+            let second = rule!("the adjoint of a difference", Partial::MinusOne, Partial::One);
+            (Some((a, Partial::One)), Some((b, second)))
+        }
         Node::Mul(a, b) => (Some((a, Partial::Factor(graph.expr(b)))), Some((b, Partial::Factor(graph.expr(a))))),
         Node::Power(a, _) | Node::Call(_, a) | Node::Spline(_, a) => (Some((a, Partial::Derivative(expr, 0))), None),
         Node::Call2(_, a, b) => (Some((a, Partial::Derivative(expr, 0))), Some((b, Partial::Derivative(expr, 1)))),

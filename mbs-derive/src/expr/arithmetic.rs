@@ -2,6 +2,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::mistake::rule;
+
 use super::function::Function;
 use super::graph::{Expr, Graph, HalfInteger, Id, LARGEST_EXPONENT, Node};
 use super::number::Number;
@@ -55,7 +57,7 @@ impl<'g> Expr<'g> {
             return Some(self.graph.scaled(c + d, x));
         }
         if c == d && x.is_square_of_sine_beside_cosine(y) {
-            return Some(self.graph.constant(c));
+            return Some(self.graph.constant(rule!("sin² + cos² = 1", c, c + c)));
         }
         None
     }
@@ -98,7 +100,7 @@ impl<'g> Sub for Expr<'g> {
             (_, Node::Add(a, b)) if a == self.id => -graph.expr(b),
             (_, Node::Add(a, b)) if b == self.id => -graph.expr(a),
             (Node::Sub(a, b), _) if a == other.id => -graph.expr(b),
-            (_, Node::Sub(a, b)) if a == self.id => graph.expr(b),
+            (_, Node::Sub(a, b)) if a == self.id => rule!("a − (a − b) = b", graph.expr(b), -graph.expr(b)),
             _ => {
                 let ((c, x), (d, y)) = (self.split_coefficient(), other.split_coefficient());
                 if x.id == y.id {

@@ -372,7 +372,11 @@ impl Tape {
         decide: impl Fn(usize, bool) -> bool,
     ) -> V {
         let step = &self.steps[at];
-        if let Some(value) = self.strict.then(|| strictly(step, &v)).flatten() {
+        // Where both sides are taken, what is undefined says so itself.
+        if self.strict
+            && !V::TAKES_BOTH_SIDES
+            && let Some(value) = strictly(step, &v)
+        {
             return value;
         }
         let spline = |d: SplineDerivative, a: V| a.spline(&self.splines[d.spline as usize], d.order as usize);

@@ -1,5 +1,7 @@
 //! Functions of one and two arguments: name, derivative, value and Rust spelling side by side.
 
+use crate::mistake::rule;
+
 use super::graph::{Expr, HalfInteger};
 use super::sin_cos::sin_cos;
 
@@ -91,14 +93,14 @@ impl Function {
         let one = x.graph().integer(1);
         match self {
             Function::Sin => x.cos(),
-            Function::Cos => -x.sin(),
-            Function::Tan => one + value.powi(2),
+            Function::Cos => rule!("the derivative of cos", -x.sin(), x.sin()),
+            Function::Tan => rule!("the derivative of tan", one + value.powi(2), one - value.powi(2)),
             Function::Asin => (one - x.powi(2)).power(HalfInteger::halves(-1)),
             Function::Acos => -(one - x.powi(2)).power(HalfInteger::halves(-1)),
             Function::Atan => (one + x.powi(2)).powi(-1),
             Function::Sinh => x.call(Function::Cosh),
             Function::Cosh => x.call(Function::Sinh),
-            Function::Tanh => x.call(Function::Sech).powi(2),
+            Function::Tanh => rule!("the derivative of tanh", x.call(Function::Sech).powi(2), x.call(Function::Sech)),
             Function::Sech => -value * x.call(Function::Tanh),
             Function::Exp => value,
             Function::Ln => x.powi(-1),
@@ -217,7 +219,7 @@ impl Binary {
         match self {
             Binary::Atan2 => {
                 let squared = a.powi(2) + b.powi(2);
-                [b / squared, -a / squared]
+                rule!("the derivative of atan2", [b / squared, -a / squared], [b / squared, a / squared])
             }
             // Not `b f/a`, which is 0/0 at a = 0.
             Binary::Powf => [b * a.call2(Binary::Powf, b - a.graph().integer(1)), value * a.call(Function::Ln)],

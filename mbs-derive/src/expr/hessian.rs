@@ -8,6 +8,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::mistake::rule;
+
 use super::adjoint::{Adjoints, Branches, Partial, active};
 use super::function::Binary;
 use super::graph::{Expr, Graph, HalfInteger, Id, IdMap, Node, Symbol};
@@ -56,7 +58,8 @@ fn push<'g>(
     if neighbour != id {
         for &(j, partial) in operands {
             let pushed = partial.times(graph, weight);
-            edges.add(j, neighbour, if j == neighbour { 2 * pushed } else { pushed });
+            let is_twice = rule!("an edge that becomes a loop", j == neighbour, false);
+            edges.add(j, neighbour, if is_twice { 2 * pushed } else { pushed });
         }
         return;
     }
@@ -125,7 +128,8 @@ fn create_for_two_arguments<'g>(
 /// `n (n − 1) xⁿ⁻²`
 fn power_curvature<'g>(x: Expr<'g>, n: HalfInteger) -> Expr<'g> {
     let exponent = x.graph().constant(n.to_number());
-    exponent * (exponent - 1) * x.power(HalfInteger::halves(n.to_halves() - 4))
+    let next = rule!("the curvature of a power", exponent - 1, exponent);
+    exponent * next * x.power(HalfInteger::halves(n.to_halves() - 4))
 }
 
 /// Symmetric weights, kept at the node that is eliminated first: the later one, and symbols last of all.

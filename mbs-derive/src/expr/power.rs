@@ -1,5 +1,7 @@
 //! Powers and functions of one expression, with their local rules.
 
+use crate::mistake::rule;
+
 use super::function::{Binary, Function};
 use super::graph::{Expr, Graph, HalfInteger, Id, LARGEST_EXPONENT, Node};
 use super::number::Number;
@@ -40,7 +42,7 @@ impl<'g> Expr<'g> {
             },
             (Node::Neg(a), halves) if halves % 2 == 0 => {
                 let power = graph.expr(a).power(n);
-                if halves % 4 == 0 { power } else { -power }
+                rule!("a power of −x", if halves % 4 == 0 { power } else { -power }, power)
             }
             // (x^a)^b = x^(a b) holds for an integer b wherever the left side exists.
             (Node::Power(a, inner), halves)
@@ -102,7 +104,7 @@ impl<'g> Expr<'g> {
         match k.rem_euclid(4) {
             0 => x.sin(),
             1 => x.cos(),
-            2 => -x.sin(),
+            2 => rule!("half a turn", -x.sin(), x.sin()),
             _ => -x.cos(),
         }
     }

@@ -1,5 +1,7 @@
 //! Forward sweep: directional derivatives, and the total time derivative by the chain rule.
 
+use crate::mistake::rule;
+
 use super::condition::Condition;
 use super::graph::{Expr, Id, IdMap, Node, Symbol};
 
@@ -56,7 +58,10 @@ impl<'g, 'd> Tangent<'g, 'd> {
             Node::Add(a, b) => d(a) + d(b),
             Node::Sub(a, b) => d(a) - d(b),
             // Leibniz
-            Node::Mul(a, b) => d(a) * graph.expr(b) + graph.expr(a) * d(b),
+            Node::Mul(a, b) => {
+                let first = d(a) * graph.expr(b);
+                rule!("the derivative of a product", first + graph.expr(a) * d(b), first)
+            }
             Node::Power(..) | Node::Call(..) | Node::Spline(..)
                 if d(node.operands().next().expect("one operand")).is_zero() =>
             {
@@ -79,7 +84,8 @@ impl<'g, 'd> Tangent<'g, 'd> {
 
 /// `n xⁿ⁻¹`
 pub(super) fn power_derivative<'g>(x: Expr<'g>, n: super::HalfInteger) -> Expr<'g> {
-    x.graph().constant(n.to_number()) * x.power(super::HalfInteger::halves(n.to_halves() - 2))
+    let less = rule!("the exponent of a derivative", 2, 1);
+    x.graph().constant(n.to_number()) * x.power(super::HalfInteger::halves(n.to_halves() - less))
 }
 
 #[cfg(test)]

@@ -121,7 +121,7 @@ fn said(payload: &(dyn std::any::Any + Send)) -> String {
 fn derivation(sources: &Sources) -> Result<Derivation, String> {
     let graph = Graph::verbatim();
     let analysis = Analysis::of(sources, &graph).map_err(|error| error.render_in(sources))?;
-    analysis.prove().map_err(|error| error.to_string())?;
+    analysis.prove(analysis.programs()).map_err(|error| error.to_string())?;
     Ok(analysis.into_programs())
 }
 

@@ -7,6 +7,7 @@
 //! Source: Walker & Orin, *Efficient dynamic computer simulation of robotic mechanisms*, 1982.
 
 use crate::expr::{Expr, Vector};
+use crate::mistake::rule;
 
 use super::super::Rows;
 use super::inertia::Inertia;
@@ -73,7 +74,7 @@ pub(super) fn momentum<'g>(inertia: &Inertia<'g>, edge: &Edge<'g>) -> Wrench<'g>
             let mut couple = Vector([0, 1, 2].map(|i| -inertia.second.entry(i, axis)));
             couple.0[axis] = inertia.axial(axis);
             let e = Vector::unit(inertia.mass.graph(), axis);
-            Wrench::new(e.cross(inertia.first), couple)
+            Wrench::new(rule!("the momentum of a turn", e.cross(inertia.first), inertia.first.cross(e)), couple)
         }
         Edge::Slide { direction, .. } => Wrench::new(direction.scale(inertia.mass), inertia.first.cross(direction)),
         Edge::Turn(_) | Edge::Tilt { .. } | Edge::Shift(_) => Wrench::new(zero, zero),

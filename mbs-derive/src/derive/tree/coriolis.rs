@@ -15,6 +15,7 @@
 //! joints; the pseudo-inertia form is derived above.
 
 use crate::expr::{Expr, Matrix, Vector};
+use crate::mistake::rule;
 
 use super::super::Rows;
 use super::composite::{momentum, on_joints};
@@ -137,7 +138,8 @@ fn own_change<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, twis
         Edge::Revolute { axis, .. } => {
             let e = Vector::unit(graph, axis);
             // vee([ω]× ê Σ) = (Σ ω) × e, because [ω]× ê = e ωᵀ − (ω·e) 1 and Σ is symmetric.
-            let couple = (body.second.matrix() * w).cross(e) + vee(skew(e) * within.moments);
+            let own = (body.second.matrix() * w).cross(e);
+            let couple = rule!("the motion within a composite", own + vee(skew(e) * within.moments), own);
             Wrench::new(w.cross(e.cross(body.first)) + e.cross(within.momentum), couple)
         }
         Edge::Slide { direction, .. } => {

@@ -5,6 +5,7 @@
 //! that move as one are one sum, and what a joint cannot see is subtracted from one frame and added to another.
 
 use crate::expr::{Expr, Graph, Matrix, Vector};
+use crate::mistake::rule;
 
 use super::wrench::turned_about;
 
@@ -131,7 +132,8 @@ impl<'g> Inertia<'g> {
     pub(crate) fn shifted(self, t: Vector<'g>) -> Self {
         let graph = self.mass.graph();
         // Σ + g tᵀ + t gᵀ with g = h + ½ m t
-        let g = self.first + t.scale(self.mass / graph.integer(2));
+        let half = rule!("the inertia about another point", self.mass / graph.integer(2), self.mass);
+        let g = self.first + t.scale(half);
         let sum = |i: usize, j: usize| g.0[i] * t.0[j] + t.0[i] * g.0[j];
         let added = Symmetric {
             diagonal: [0, 1, 2].map(|i| 2 * (g.0[i] * t.0[i])),

@@ -11,6 +11,7 @@
 //! Khalil & Dombre, *Modeling, Identification and Control of Robots*, 2002, section 9.5, for U.
 
 use crate::expr::{Expr, Matrix, Vector};
+use crate::mistake::rule;
 
 use super::inertia::{Inertia, Symmetric};
 use super::linkage::{Accelerations, Edge, Linkage, rates};
@@ -61,7 +62,8 @@ impl<'g> Spin<'g> {
             // W_kj − W_jk of W = U Σ
             let outside = u[k][i] * second.entry(i, j) - u[j][i] * second.entry(i, k);
             let inside = u[k][j] * second.diagonal[j] - u[j][k] * second.diagonal[k];
-            outside + inside + (self.squares[k] - self.squares[j]) * second.entry(j, k)
+            let centrifugal = (self.squares[k] - self.squares[j]) * second.entry(j, k);
+            rule!("the centrifugal couple", outside + inside + centrifugal, outside + inside)
         };
         Vector([0, 1, 2].map(component))
     }

@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use crate::expr::{Function, Id, Number};
+use crate::mistake::rule;
 
 use super::combination::{Polynomial, product_of_powers};
 
@@ -77,7 +78,9 @@ pub(crate) fn halved(
                     (coefficient, sine.times(&sine, limit)?.negative())
                 }
                 _ if is_fourfold || doubled == Doubled::Kept => continue,
-                (Function::Sin, _) => (Number::ZERO, sine.times(&cosine, limit)?),
+                (Function::Sin, _) => {
+                    (Number::ZERO, sine.times(rule!("the sine of a doubled angle", &cosine, &sine), limit)?)
+                }
                 (_, Doubled::Sine) => (coefficient, sine.times(&sine, limit)?.negative()),
                 (_, Doubled::Cosine) => (-coefficient, cosine.times(&cosine, limit)?),
                 _ => continue,

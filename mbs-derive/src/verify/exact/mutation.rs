@@ -6,10 +6,11 @@ use crate::expr::{Function, Graph, Number};
 use crate::interpret::Interpreter;
 use crate::numeric::Random;
 use crate::optimise::{FunctionKind, Instruction, Program, Value as Step};
+use crate::source::Sources;
 
 /// The mistakes.
-const KINDS: [&str; 9] =
-    ["operation", "operand", "sign", "dropped term", "constant", "exponent", "function", "result", "hoisted"];
+const KINDS: [&str; 10] =
+    ["operation", "operand", "sign", "dropped term", "constant", "exponent", "function", "branch", "result", "hoisted"];
 
 /// How many mutants of a mechanism are tried, unless `MBS_MUTANTS` says how many.
 const TRIED: usize = 40;
@@ -63,6 +64,10 @@ impl Mutants<'_> {
             ("exponent", Instruction::Sqrt(a)) => program.instructions[a.index()],
             ("function", Instruction::Call(Function::Sin, a)) => Instruction::Call(Function::Cos, a),
             ("function", Instruction::Call(Function::Cos, a)) => Instruction::Call(Function::Sin, a),
+            ("branch", Instruction::Select(condition, a, b)) => Instruction::Select(condition, b, a),
+            ("branch", Instruction::Less(a, b)) => Instruction::Less(b, a),
+            ("branch", Instruction::LessEqual(a, b)) => Instruction::LessEqual(b, a),
+            ("branch", Instruction::And(a, _) | Instruction::Not(a)) => program.instructions[a.index()],
             ("hoisted", Instruction::Hoisted(k)) => {
                 let other = self.below(hoisted) as u32;
                 if other == k { return false } else { Instruction::Hoisted(other) }
@@ -93,10 +98,9 @@ fn is_equivalent((state, parameters): &Point<Image<2>>, original: &Derivation, m
 }
 
 /// How many mutants of each kind are refused, hold what is claimed all the same, or survive.
-fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
-    let sources = crate::read(std::path::Path::new(file)).unwrap();
+fn score(name: &str, sources: &Sources, tried: usize) -> Vec<[usize; 3]> {
     let graph = Graph::verbatim();
-    let analysis = crate::Analysis::of(&sources, &graph).unwrap();
+    let analysis = crate::Analysis::of(sources, &graph).unwrap();
     let (witness, derivation) = (Witness::new(analysis.lagrangian()), analysis.programs());
     let roots = Nodes::of(&witness, derivation).obstacle(&witness, |number| nth_point(&witness, number)).unwrap();
     let known = Field::of::<1>(&witness, derivation, roots).outcomes;
@@ -108,7 +112,7 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
     while found < tried {
         let number = drawn % KINDS.len();
         drawn += 1;
-        assert!(drawn < 1000 * tried, "{file}: there is little to change");
+        assert!(drawn < 1000 * tried, "{name}: there is little to change");
         let Some((mutant, at)) = mutants.next(KINDS[number]) else { continue };
         found += 1;
         // One field is enough; what is left to doubles, the whole proof refuses.
@@ -126,8 +130,8 @@ fn score(file: &str, tried: usize) -> Vec<[usize; 3]> {
             false => 2,
         };
         if column == 2 {
-            let name = derivation.functions.get(at).map_or("new", |function| &function.name);
-            println!("{file}: a mutant of `{name}` survives: {}", KINDS[number]);
+            let function = derivation.functions.get(at).map_or("new", |function| &function.name);
+            println!("{name}: a mutant of `{function}` survives: {}", KINDS[number]);
         }
         table[number][column] += 1;
     }
@@ -139,8 +143,13 @@ fn check(name: &str) {
     if !std::path::Path::new("../models").exists() {
         return;
     }
+    let file = format!("../{name}.mbs");
+    check_sources(name, &crate::read(std::path::Path::new(&file)).unwrap());
+}
+
+fn check_sources(name: &str, sources: &Sources) {
     let tried = std::env::var("MBS_MUTANTS").map_or(TRIED, |count| count.parse().expect("a number of mutants"));
-    let table = score(&format!("../{name}.mbs"), tried);
+    let table = score(name, sources, tried);
     for (kind, [refused, same, surviving]) in KINDS.iter().zip(&table) {
         println!("| {name} | {kind} | {refused} | {same} | {surviving} |");
     }
@@ -163,5 +172,21 @@ fn mutants_of_mechanisms_with_constraints_are_refused() {
 #[test]
 fn mutants_of_mechanisms_with_roots_are_refused() {
     check("models/mechanisms/stewart_platform");
+    check("models/mechanisms/quadrotor_quaternion");
     check("models/mechanisms/kepler");
+}
+
+/// A mass between two stops, with dry friction and a motor that pulls up to a limit.
+#[test]
+fn mutants_of_a_piecewise_mechanism_are_refused() {
+    let text = "#![dimensionless]
+        mechanism Stops {
+            param m: 1 = 2; param k: 1 = 700; param gap: 1 = 0.3; param limit: 1 = 5; param c: 1 = 0.4;
+            coord x: 1; coord y: 1; input u: 1;
+            kinetic += m*dt(x)^2/2 + if x > y { m*dt(y)^2*(1 + (x - y)^2) } else { m*dt(y)^2 };
+            potential += if x > gap { k*(x - gap)^2/2 } else { if x < -gap { k*(x + gap)^2/3 } else { 0 } };
+            dissipation += if dt(x) > 0 && x > 0 { c*dt(x)^2 } else { c*dt(x)^2/2 };
+            force y += if u < limit { u } else { limit };
+        }";
+    check_sources("piecewise", &Sources::new("stops.mbs", text));
 }
