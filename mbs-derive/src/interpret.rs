@@ -311,13 +311,17 @@ impl<V: Value> Run<'_, V> {
             if !program.regions.is_certain(value) {
                 continue;
             }
-            if let Instruction::Select(..) = instruction {
+            // In a program that was altered, what is certain may need what was not.
+            let is_missing = |operand: Step| values[operand.index()].is_none();
+            if matches!(instruction, Instruction::Select(..)) || instruction.operands().any(is_missing) {
                 waiting.push(value);
                 self.compute(program, &mut waiting, &mut values);
             } else {
                 values[i] = Some(self.step(program, instruction, &values));
             }
         }
+        waiting.extend(program.results.iter().filter(|result| values[result.index()].is_none()));
+        self.compute(program, &mut waiting, &mut values);
         values
     }
 

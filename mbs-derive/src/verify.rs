@@ -39,7 +39,7 @@ use std::fmt;
 use crate::catalogue::Claim;
 use crate::derive::time_derivative;
 use crate::diagnostic::{Code, Diagnostics};
-use crate::expr::{Expr, Graph, Id, Node, Rounded, carry_out};
+use crate::expr::{Expr, Graph, Id, Node, Rounded, Symbol, carry_out};
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::default_parameters;
@@ -49,7 +49,7 @@ use crate::variable::count;
 
 use claim::{Trial, doubles};
 use coverage::{Choices, Coverage};
-use exact::{Evidence, Verdict};
+use exact::Evidence;
 pub use witness::Witness;
 use witness::exact;
 
@@ -104,15 +104,18 @@ impl Proof {
     /// # Errors
     /// [`Failure::Disagreement`] is a bug of the generator; all others concern the declaration.
     pub fn of(lagrangian: &Lagrangian<'_>, derivation: &Derivation) -> Result<Proof, Failure> {
+        if let Some(function) = malformed(derivation) {
+            return Err(Failure::Malformed { function });
+        }
         if let Some(function) = overflowing(derivation) {
             return Err(Failure::Overflow { function });
         }
         let (witness, choices) = (Witness::new(lagrangian), Choices::of(lagrangian));
-        let Verdict { evidence, known, refused } = exact::decide(&witness, derivation);
+        let verdict = exact::decide(&witness, derivation);
         let mut prover = Prover {
             witness: &witness,
             derivation,
-            known,
+            known: &verdict.known,
             coverage: Coverage::new(&choices, lagrangian),
             states: 0,
             singular: 0,
@@ -132,11 +135,10 @@ impl Proof {
             generic += usize::from(prover.prove(&state, &parameters, as_declared)?);
             if generic == STATES {
                 prover.prove_other_sides()?;
-                if let Some((claim, component)) = refused {
-                    return Err(Failure::Inexact { claim, component });
-                }
-                let [unproved, at_corners] = prover.coverage.missing();
-                return Ok(Proof { states: prover.states, singular: prover.singular, unproved, evidence, at_corners });
+                let Prover { states, singular, coverage, .. } = prover;
+                let [unproved, at_corners] = coverage.missing();
+                let evidence = verdict.settled(&witness, derivation, coverage.inside())?;
+                return Ok(Proof { states, singular, unproved, evidence, at_corners });
             }
         }
         Err(Failure::TooFewStates { finite: generic, tried })
@@ -198,6 +200,12 @@ pub enum Failure {
         /// Which function.
         function: String,
     },
+    /// An instruction uses a value that no instruction before it makes, or that there is not: programs that were altered
+    /// by hand.
+    Malformed {
+        /// Which function.
+        function: String,
+    },
     /// The generated code and the energies disagree, by less than doubles tell: a bug of the generator.
     Inexact {
         /// What was claimed.
@@ -228,7 +236,7 @@ impl Failure {
             Failure::TooFewStates { .. } => Code::TooFewStates,
             Failure::NegativeInertia { .. } => Code::NegativeSomewhere,
             Failure::Overflow { .. } => Code::Overflow,
-            Failure::Inexact { .. } | Failure::Disagreement { .. } => Code::Disagreement,
+            Failure::Malformed { .. } | Failure::Inexact { .. } | Failure::Disagreement { .. } => Code::Disagreement,
         }
     }
 }
@@ -250,6 +258,10 @@ impl fmt::Display for Failure {
                 "a constant of `{function}` is beyond what a double holds, {:e}: are the declared numbers in their units, is an \
                  exponent meant?",
                 f64::MAX
+            ),
+            Failure::Malformed { function } => write!(
+                f,
+                "an instruction of `{function}` uses a value that no instruction before it makes: were the programs altered?"
             ),
             Failure::Inexact { claim, component } => write!(
                 f,
@@ -274,7 +286,7 @@ struct Prover<'a, 'c, 'l, 'g> {
     witness: &'a Witness<'l, 'g>,
     derivation: &'a Derivation,
     /// What is proved exactly.
-    known: BTreeSet<Claim>,
+    known: &'a BTreeSet<Claim>,
     coverage: Coverage<'c, 'l, 'g>,
     states: usize,
     singular: usize,
@@ -290,7 +302,7 @@ impl Prover<'_, '_, '_, '_> {
         }
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
         let (none, few) = (BTreeSet::new(), self.states < STATES_OF_KNOWN);
-        let known = if few { &none } else { &self.known };
+        let known = if few { &none } else { self.known };
         trial.prove(known)?;
         self.coverage.note(at, with);
         let is_singular = is_physical && inertia::is_singular(&trial, at, with)?;
@@ -320,14 +332,40 @@ impl Prover<'_, '_, '_, '_> {
     }
 }
 
+/// All programs with their names, the constructor first.
+fn programs(derivation: &Derivation) -> impl Iterator<Item = (&str, &Program)> {
+    let functions = derivation.functions.iter().map(|f| (f.name.as_str(), &f.program));
+    std::iter::once(("new", &derivation.constructor)).chain(functions)
+}
+
+/// The function with an instruction whose operands are not made before it.
+fn malformed(derivation: &Derivation) -> Option<String> {
+    let hoisted = derivation.constructor.results.len();
+    let is_there = |symbol: Symbol| match symbol {
+        Symbol::Time => true,
+        Symbol::Coordinate(i) | Symbol::Velocity(i) | Symbol::Acceleration(i) => (i as usize) < derivation.dof(),
+        Symbol::Parameter(i) => (i as usize) < count(&derivation.parameters),
+        Symbol::Input(i) => (i as usize) < count(&derivation.inputs),
+        Symbol::Prescribed(i, order) => (i as usize) < count(&derivation.prescribed) && order < 3,
+        Symbol::Multiplier(i) => (i as usize) < derivation.constraints.len(),
+    };
+    let is_sound = |program: &Program| {
+        let mut instructions = program.instructions.iter().enumerate();
+        instructions.all(|(at, instruction)| match *instruction {
+            Instruction::Symbol(symbol) => is_there(symbol),
+            Instruction::Hoisted(k) => (k as usize) < hoisted,
+            _ => instruction.operands().all(|operand| operand.index() < at),
+        }) && program.results.iter().all(|result| result.index() < program.instructions.len())
+    };
+    programs(derivation).find(|(_, program)| !is_sound(program)).map(|(name, _)| name.to_string())
+}
+
 /// The function with a constant that is not finite.
 fn overflowing(derivation: &Derivation) -> Option<String> {
-    let functions = derivation.functions.iter().map(|f| (f.name.as_str(), &f.program));
-    let mut programs = std::iter::once(("new", &derivation.constructor)).chain(functions);
     let overflows = |program: &Program| {
         program.instructions.iter().any(|i| matches!(i, Instruction::Constant(c) if !c.to_f64().is_finite()))
     };
-    programs.find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
+    programs(derivation).find(|(_, program)| overflows(program)).map(|(name, _)| name.to_string())
 }
 
 /// Proves once more where the constraints hold, if there are any and such a state is near; whether some motion of a

@@ -16,7 +16,9 @@
 //!   terms, as a function inside an angle, is a term of its own, told from others by its value;
 //! - a condition is a number of its own, t, told from others by the difference that is compared, and a choice is
 //!   `t a + (1 − t) b`: what holds for all t holds for 0 and 1. `a < b` is `1 − t` of `b <= a`, and of two rational
-//!   numbers it is known. Signum is such a number as well, odd, and `|x|` is x times that.
+//!   numbers it is known. Signum is such a number as well, odd, and `|x|` is x times that. Where a double goes along
+//!   with every number, conditions come out as the doubles say, and signum is 1 or −1: what holds is then an identity
+//!   on one side of each choice, with `|x|² = x²` and all else that holds there.
 //!
 //! Unlike [`Residue`](super::Residue), with which the generator decides what is equal, this keeps terms apart that are
 //! products of others: powers of one base whose exponents are a, b and a b are no random point of a torus. And it
@@ -27,7 +29,7 @@ mod solve;
 use super::element::Element;
 use super::evaluate::{Solutions, Value, operators};
 use super::field::{FIELDS, Prime, inverse, mixed, negative_of, product, sum};
-use super::function::{Binary, Function};
+use super::function::{Binary, Function, signum};
 use super::number::Number;
 use super::ratio::Ratio;
 use super::spline::Spline;
@@ -38,6 +40,8 @@ pub(crate) struct Image<const K: usize> {
     /// Below p, or [`UNDEFINED`].
     value: u64,
     form: Form,
+    /// What it is at the state on whose side of each choice the identity is to hold; NaN where there is none.
+    double: f64,
 }
 
 /// What a number is as an angle or as an exponent.
@@ -82,12 +86,17 @@ impl<const K: usize> Image<K> {
 
     /// A symbol: a number with no relation to others, the same for the same key.
     pub(crate) fn random(key: u64) -> Self {
-        Image { value: mixed(mixed(key) ^ K as u64) % Self::P, form: Form::Term(Ratio::ONE) }
+        Self::of_constant(mixed(mixed(key) ^ K as u64) % Self::P, f64::NAN)
     }
 
     /// The image with this value of a constant that is not rational.
-    pub(super) fn of_constant(value: u64) -> Self {
-        Image { value, form: Form::Term(Ratio::ONE) }
+    pub(super) fn of_constant(value: u64, double: f64) -> Self {
+        Image { value, form: Form::Term(Ratio::ONE), double }
+    }
+
+    /// The same number with a double that decides conditions.
+    pub(crate) fn beside(self, double: f64) -> Self {
+        Image { double, ..self }
     }
 
     /// Its value, [`UNDEFINED`] where it has none.
@@ -131,12 +140,13 @@ impl<const K: usize> Image<K> {
     }
 
     fn opaque(value: u64) -> Self {
-        Image { value, form: Form::Opaque }
+        Image { value, form: Form::Opaque, double: f64::NAN }
     }
 
     fn signum(self) -> Self {
         match self.form {
             Form::Rational(ratio) => Self::halved(2 * ratio.numerator.signum()),
+            _ if !self.double.is_nan() => Self::halved(2 * signum(self.double) as i64),
             _ => Self::keyed(0x7369_676e, self.value),
         }
     }
@@ -237,7 +247,7 @@ impl Form {
 }
 
 impl<const K: usize> Element for Image<K> {
-    const NOT_DEFINED: Self = Image { value: UNDEFINED, form: Form::Opaque };
+    const NOT_DEFINED: Self = Image { value: UNDEFINED, form: Form::Opaque, double: f64::NAN };
 
     /// A number that is not zero, and a multiple of the prime, has no value.
     fn rational(ratio: Ratio) -> Self {
@@ -245,12 +255,13 @@ impl<const K: usize> Element for Image<K> {
         if value == 0 && ratio != Ratio::ZERO {
             return Self::NOT_DEFINED;
         }
-        Image { value, form: Form::Rational(ratio) }
+        let double = ratio.numerator as f64 / ratio.denominator as f64;
+        Image { value, form: Form::Rational(ratio), double }
     }
 
     fn long(n: i128) -> Self {
         let value = n.rem_euclid(i128::from(Self::P)) as u64;
-        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value) }
+        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value, n as f64) }
     }
 
     fn root(self) -> Self {
@@ -259,7 +270,7 @@ impl<const K: usize> Element for Image<K> {
         {
             return Self::rational(root);
         }
-        Prime::<K>::root(self.value).map_or(Self::NOT_DEFINED, Self::opaque)
+        Prime::<K>::root(self.value).map_or(Self::NOT_DEFINED, Self::opaque).beside(libm::sqrt(self.double))
     }
 }
 
@@ -272,21 +283,22 @@ impl<const K: usize> Value for Image<K> {
 
     fn number(number: Number) -> Self {
         let short = |n: i128| i64::try_from(n).ok().filter(|n| *n != i64::MIN);
-        match number {
+        let image = match number {
             Number::Exact { numerator, denominator, pi } => match (short(numerator), short(denominator), pi) {
                 (Some(numerator), Some(denominator), 0) => Self::rational(Ratio { numerator, denominator }),
                 (Some(numerator), Some(denominator), 1) => {
                     let ratio = Ratio { numerator, denominator };
-                    let value = Self::rational(ratio).mul(Self::of_constant(Self::pi())).value;
-                    Image { value, form: Form::Turn(ratio) }
+                    let value = Self::rational(ratio).mul(Self::opaque(Self::pi())).value;
+                    Image { form: Form::Turn(ratio), ..Self::opaque(value) }
                 }
                 _ => {
-                    let pi = Self::of_constant(Self::pi()).power(2 * i32::from(pi));
+                    let pi = Self::of_constant(Self::pi(), f64::NAN).power(2 * i32::from(pi));
                     Self::long(numerator).div(Self::long(denominator)).mul(pi)
                 }
             },
-            Number::Real { images, .. } => Self::of_constant(images[K]),
-        }
+            Number::Real { images, .. } => Self::of_constant(images[K], f64::NAN),
+        };
+        image.beside(number.to_f64())
     }
 
     fn neg(self) -> Self {
@@ -304,7 +316,7 @@ impl<const K: usize> Value for Image<K> {
             },
             Form::Opaque => Form::Opaque,
         };
-        Image { value: negative_of(self.value, Self::P), form }
+        Image { value: negative_of(self.value, Self::P), form, double: -self.double }
     }
 
     fn add(self, other: Self) -> Self {
@@ -333,7 +345,7 @@ impl<const K: usize> Value for Image<K> {
                 })
             }
         };
-        Image { value, form }
+        Image { value, form, double: self.double + other.double }
     }
 
     fn sub(self, other: Self) -> Self {
@@ -358,7 +370,7 @@ impl<const K: usize> Value for Image<K> {
                 factor.map_or(Form::Opaque, Form::Term)
             }
         };
-        Image { value, form }
+        Image { value, form, double: self.double * other.double }
     }
 
     fn div(self, other: Self) -> Self {
@@ -372,13 +384,13 @@ impl<const K: usize> Value for Image<K> {
             (Form::Turn(a), Form::Turn(b)) => {
                 return a
                     .times(b.reciprocal().unwrap_or(Ratio::ZERO))
-                    .map_or(self.mul(Self::opaque(value)), Self::rational);
+                    .map_or(self.mul(Self::opaque(value).beside(1.0 / other.double)), Self::rational);
             }
             (_, Form::Rational(ratio)) => reciprocal(Form::Rational, ratio),
             (_, Form::Turn(ratio) | Form::Term(ratio)) => reciprocal(Form::Term, ratio),
             (_, Form::Sum { .. } | Form::Opaque) => Form::Opaque,
         };
-        self.mul(Image { value, form })
+        self.mul(Image { value, form, double: 1.0 / other.double })
     }
 
     fn power(self, halves: i32) -> Self {
@@ -393,7 +405,7 @@ impl<const K: usize> Value for Image<K> {
         let halved = |x: Self| x.mul(Self::halved(1));
         let growing = || halved(self.exponential().add(self.neg().exponential()));
         let odd = || halved(self.exponential().sub(self.neg().exponential()));
-        match (function, self.form) {
+        let image = match (function, self.form) {
             (Function::Sin | Function::Tan | Function::Sinh | Function::Tanh, Form::Rational(Ratio::ZERO)) => self,
             (Function::Cos | Function::Cosh | Function::Sech | Function::Exp, Form::Rational(Ratio::ZERO)) => one,
             (Function::Cos, _) => Self::opaque(self.on_circle().0),
@@ -413,7 +425,8 @@ impl<const K: usize> Value for Image<K> {
             (Function::Ln, _) => Self::opaque(mixed(self.value ^ 0x6c6e_0000) % Self::P),
             (Function::Abs, _) => self.mul(self.signum()),
             (Function::Signum, _) => self.signum(),
-        }
+        };
+        if self.double.is_nan() { image } else { image.beside(function.folded(self.double)) }
     }
 
     fn call2(self, function: Binary, other: Self) -> Self {
@@ -424,11 +437,12 @@ impl<const K: usize> Value for Image<K> {
             Form::Rational(ratio) => ratio.times(Ratio::TWO).and_then(Ratio::integer),
             _ => None,
         };
-        match (function, halves) {
+        let image = match (function, halves) {
             (Binary::Atan2, _) => Self::keyed(mixed(other.value), self.value),
             (Binary::Powf, Some(halves @ -1000..=1000)) => self.power(halves as i32),
             (Binary::Powf, _) => Self::opaque(mixed(mixed(self.value) ^ other.value) % Self::P),
-        }
+        };
+        image.beside(function.folded(self.double, other.double))
     }
 
     fn spline(self, spline: &Spline, order: usize) -> Self {
@@ -436,7 +450,11 @@ impl<const K: usize> Value for Image<K> {
             _ if !self.is_defined() => self,
             _ if order > spline.degree() => Self::rational(Ratio::ZERO),
             Form::Rational(_) => spline.derivative(self, order),
-            _ => Self::keyed(mixed(spline.key() ^ order as u64), self.value),
+            _ if self.double.is_nan() => Self::keyed(mixed(spline.key() ^ order as u64), self.value),
+            _ => {
+                let value = Self::keyed(mixed(spline.key() ^ order as u64), self.value);
+                value.beside(spline.derivative(self.double, order))
+            }
         }
     }
 
@@ -459,6 +477,7 @@ impl<const K: usize> Value for Image<K> {
         match difference.form {
             _ if !difference.is_defined() => Self::NOT_DEFINED,
             _ if difference.is_zero() => truth(or_equal),
+            _ if !difference.double.is_nan() => truth(difference.double > 0.0 || or_equal && difference.double == 0.0),
             Form::Rational(ratio) => truth(ratio.numerator > 0),
             _ => {
                 // `0 < −d` is `!(0 <= d)`.

@@ -12,6 +12,9 @@ use super::witness::output_components;
 /// At this many states each side is to be taken.
 const WANTED: usize = 2;
 
+/// At most this many sets of sides that are taken together are proved exactly.
+const MOST_TOGETHER: usize = 32;
+
 /// From this many random states, of several sizes, a side is sought, with this many steps each.
 const STARTS: usize = 24;
 const STEPS: usize = 60;
@@ -44,6 +47,10 @@ pub(super) struct Coverage<'c, 'l, 'g> {
     taken: Vec<usize>,
     /// Which sides have been met where something declared has no derivative.
     met: Vec<bool>,
+    /// A state for each set of sides that are taken together, not on the edge of one.
+    inside: Vec<(State, Vec<f64>)>,
+    /// These sets.
+    together: Vec<Vec<bool>>,
 }
 
 impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
@@ -51,19 +58,40 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
         let branches = Branches::of(&choices.tape);
         let taken = vec![0; branches.sides().len()];
         let met = vec![false; taken.len()];
-        Coverage { choices, branches, lagrangian, taken, met }
+        Coverage { choices, branches, lagrangian, taken, met, inside: Vec::new(), together: Vec::new() }
     }
 
     /// Counts what is taken at a state where the proof was made.
     pub(super) fn note(&mut self, state: &State, parameters: &[f64]) {
         if !self.taken.is_empty() {
             let values = self.values(state, parameters, None);
-            self.branches
-                .taken(&values)
-                .into_iter()
-                .zip(&mut self.taken)
-                .for_each(|(is, count)| *count += usize::from(is));
+            let taken = self.branches.taken(&values);
+            taken.iter().zip(&mut self.taken).for_each(|(is, count)| *count += usize::from(*is));
+            let is_new = self.together.len() < MOST_TOGETHER && !self.together.contains(&taken);
+            if is_new && self.is_inside(&values) {
+                self.together.push(taken);
+                self.inside.push((state.clone(), parameters.to_vec()));
+            }
         }
+    }
+
+    /// States, with parameters, one for each set of sides that are taken together.
+    pub(super) fn inside(&self) -> &[(State, Vec<f64>)] {
+        &self.inside
+    }
+
+    /// Whether every comparison and every corner is so far away that no rounding reaches it.
+    fn is_inside(&self, values: &[Dual<Dual<f64>>]) -> bool {
+        const FAR: f64 = 1e-6;
+        let value = |at: Id| values[at.index()].value.value;
+        self.choices.tape.steps().iter().all(|step| match *step {
+            Node::Less(a, b) | Node::LessEqual(a, b) => {
+                let (a, b) = (value(a), value(b));
+                (a - b).abs() > FAR * a.abs().max(b.abs())
+            }
+            Node::Call(Function::Abs | Function::Signum, a) => value(a).abs() > FAR * FAR,
+            _ => true,
+        })
     }
 
     /// Takes down what is taken at a state where nothing can be proved.

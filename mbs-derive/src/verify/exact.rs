@@ -11,6 +11,7 @@ use crate::interpret::State;
 use crate::optimise::Derivation;
 use crate::variable::count;
 
+use super::Failure;
 use super::claim::{Difference, Trial};
 use super::nodes::{Nodes, Shown};
 use super::tested::Tested;
@@ -52,11 +53,26 @@ pub struct InDoubles {
 
 /// What fields say of a mechanism.
 pub(super) struct Verdict {
-    pub evidence: Evidence,
+    evidence: Evidence,
+    chance: f64,
     /// The claims of which every identity is proved.
     pub known: BTreeSet<Claim>,
     /// The first identity that does not hold in any field, though nothing is in it that fields do not know.
-    pub refused: Option<(&'static str, usize)>,
+    refused: Option<(&'static str, usize)>,
+    /// The identities that may hold on each side of every choice.
+    piecewise: Vec<Piecewise>,
+    /// Of how many roots claims are made.
+    roots: usize,
+}
+
+/// An identity that does not hold whatever conditions are.
+struct Piecewise {
+    number: usize,
+    text: &'static str,
+    component: usize,
+    degree: u64,
+    /// How likely it is that it holds by chance at one point.
+    bound: f64,
 }
 
 /// Decides every claim of a mechanism.
@@ -66,11 +82,7 @@ pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verd
     let decidable = nodes.obstacle(witness, |number| nth_point(witness, number));
     let roots = decidable.unwrap_or(0);
     let fields = match decidable {
-        Ok(_) => [
-            Field::of::<0>(witness, derivation, roots),
-            Field::of::<1>(witness, derivation, roots),
-            Field::of::<2>(witness, derivation, roots),
-        ],
+        Ok(_) => Field::all(witness, derivation, roots, None),
         Err(_) => Default::default(),
     };
     let shown = |of: fn(&Shown) -> bool| fields.iter().any(|field| of(&field.shown));
@@ -79,7 +91,7 @@ pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verd
     let factor = libm::exp2(2.0 * roots as f64);
 
     let mut evidence = Evidence { moduli: Image::<0>::moduli().to_vec(), points: FIELDS, ..Evidence::default() };
-    let (mut chance, mut open, mut refused) = (0.0, BTreeSet::new(), None);
+    let (mut chance, mut open, mut refused, mut piecewise) = (0.0, BTreeSet::new(), None, Vec::new());
     for (number, identity) in degrees.iter().enumerate() {
         let count = |outcome| fields.iter().filter(|field| field.outcomes.get(number) == Some(&outcome)).count();
         let (equal, differing) = (count(Outcome::Holds), count(Outcome::Fails));
@@ -95,7 +107,12 @@ pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verd
             }
             None if count(Outcome::NotMade) > 0 || !identity.is_made => "where constraints hold alone".to_string(),
             None if differing > 0 && !nodes.opaque.is_empty() => nodes.opaque.join(", "),
-            None if differing > 0 && nodes.has_choices => "conditions".to_string(),
+            None if differing > 0 && nodes.has_choices => {
+                let (text, component, degree) = (identity.text, identity.component, identity.left.total() as u64);
+                piecewise.push(Piecewise { number, text, component, degree, bound });
+                open.extend(identity.claim);
+                continue;
+            }
             None if differing > 0 && shown(|shown| shown.has_other_angles) => "functions of sums in angles".to_string(),
             None if differing >= AGREEING => {
                 refused = refused.or(Some((identity.text, identity.component)));
@@ -108,9 +125,48 @@ pub(super) fn decide(witness: &Witness<'_, '_>, derivation: &Derivation) -> Verd
         open.extend(identity.claim);
         note(&mut evidence.in_doubles, identity.text, reason);
     }
-    evidence.digits = if evidence.identities == 0 { 0 } else { (-chance.log10()).clamp(0.0, 300.0) as u32 };
     let claims = degrees.iter().filter_map(|identity| identity.claim).collect::<BTreeSet<_>>();
-    Verdict { evidence, known: claims.difference(&open).copied().collect(), refused }
+    Verdict { evidence, chance, known: claims.difference(&open).copied().collect(), refused, piecewise, roots }
+}
+
+impl Verdict {
+    /// What is proved once every side of the choices is known by a state that is on it; or what is refused.
+    pub(super) fn settled(
+        mut self,
+        witness: &Witness<'_, '_>,
+        derivation: &Derivation,
+        states: &[(State, Vec<f64>)],
+    ) -> Result<Evidence, Failure> {
+        let sides: Vec<[Field; FIELDS]> = match self.piecewise.is_empty() {
+            true => Vec::new(),
+            false => states.iter().map(|state| Field::all(witness, derivation, self.roots, Some(state))).collect(),
+        };
+        for Piecewise { number, text, component, degree, bound } in &self.piecewise {
+            let count = |fields: &[Field; FIELDS], outcome| {
+                fields.iter().filter(|field| field.outcomes.get(*number) == Some(&outcome)).count()
+            };
+            let is_known = |fields: &[Field; FIELDS]| fields.iter().any(|field| field.shown.is_unusual());
+            let fails = |fields| count(fields, Outcome::Fails) >= AGREEING && !is_known(fields);
+            let is_small = *bound <= LARGEST_CHANCE;
+            if !sides.is_empty() && is_small && sides.iter().all(|side| count(side, Outcome::Holds) >= AGREEING) {
+                let each = |side| FIELDS as f64 * libm::pow(*bound, count(side, Outcome::Holds) as f64);
+                self.chance += sides.iter().map(each).sum::<f64>();
+                self.evidence.identities += 1;
+                self.evidence.degree = self.evidence.degree.max(*degree);
+            } else {
+                if sides.iter().any(fails) {
+                    self.refused = self.refused.or(Some((text, *component)));
+                }
+                note(&mut self.evidence.in_doubles, text, "conditions".to_string());
+            }
+        }
+        if let Some((claim, component)) = self.refused {
+            return Err(Failure::Inexact { claim, component });
+        }
+        let is_any = self.evidence.identities > 0;
+        self.evidence.digits = if is_any { (-self.chance.log10()).clamp(0.0, 300.0) as u32 } else { 0 };
+        Ok(self.evidence)
+    }
 }
 
 /// Counts one more identity.
@@ -139,10 +195,30 @@ struct Field {
 }
 
 impl Field {
-    /// At the first point at which everything declared has a value, with this many roots.
-    fn of<const K: usize>(witness: &Witness<'_, '_>, derivation: &Derivation, roots: usize) -> Field {
+    /// What each field says.
+    fn all(
+        witness: &Witness<'_, '_>,
+        derivation: &Derivation,
+        roots: usize,
+        beside: Option<&(State, Vec<f64>)>,
+    ) -> [Field; FIELDS] {
+        [
+            Field::of::<0>(witness, derivation, roots, beside),
+            Field::of::<1>(witness, derivation, roots, beside),
+            Field::of::<2>(witness, derivation, roots, beside),
+        ]
+    }
+
+    /// At the first point at which everything declared has a value, with this many roots; conditions come out as at the
+    /// state `beside`.
+    fn of<const K: usize>(
+        witness: &Witness<'_, '_>,
+        derivation: &Derivation,
+        roots: usize,
+        beside: Option<&(State, Vec<f64>)>,
+    ) -> Field {
         let tried = if roots == 0 { 1 } else { 32 << roots };
-        let points = (0..tried).map(|number| nth_point(witness, number));
+        let points = (0..tried).map(|number| nth_point_beside(witness, number, beside));
         let Some(point) = points.into_iter().find(|point| is_defined(witness, point)) else { return Field::default() };
         let outcome = |identity: &Difference<Image<K>>| match identity.left {
             _ if !identity.is_made => Outcome::NotMade,
@@ -161,6 +237,30 @@ impl Field {
 /// A point of a sequence of them.
 fn nth_point<const K: usize>(witness: &Witness<'_, '_>, number: u64) -> Point<Image<K>> {
     point(witness, |symbol| Image::random(0x7072_6f6f_0000_0000 + (number << 16) + symbol))
+}
+
+/// A point of a sequence of them whose numbers have those of a state with them.
+fn nth_point_beside<const K: usize>(
+    witness: &Witness<'_, '_>,
+    number: u64,
+    beside: Option<&(State, Vec<f64>)>,
+) -> Point<Image<K>> {
+    let point = nth_point(witness, number);
+    let Some((state, parameters)) = beside else { return point };
+    let each = |images: &[Image<K>], doubles: &[f64]| {
+        images.iter().zip(doubles).map(|(image, &double)| image.beside(double)).collect::<Vec<_>>()
+    };
+    let (images, of_parameters) = point;
+    let signals = images.prescribed.iter().zip(&state.prescribed);
+    let state = State {
+        t: images.t.beside(state.t),
+        q: each(&images.q, &state.q),
+        qd: each(&images.qd, &state.qd),
+        qdd: each(&images.qdd, &state.qdd),
+        u: each(&images.u, &state.u),
+        prescribed: signals.map(|(images, doubles)| [0, 1, 2].map(|k| images[k].beside(doubles[k]))).collect(),
+    };
+    (state, each(&of_parameters, parameters))
 }
 
 /// Whether everything declared has a value.

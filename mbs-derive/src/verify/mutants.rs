@@ -315,3 +315,41 @@ fn edges_of_branches_are_met() {
         assert!(matches!(found, Err(Failure::Disagreement { .. })), "{condition}: {found:?}");
     }
 }
+
+/// A stop, dry friction, a root on one side alone, and what holds on each side by its own law.
+const STOPS: &str = "#![dimensionless] mechanism A { param k: 1 = 700; param gap: 1 = 0.3; coord x: 1; coord y: 1; \
+    kinetic += dt(x)^2 + dt(y)^2*(1 + abs(x)^2); dissipation += if dt(x) > 0 { dt(x)^2 } else { dt(x)^2/2 }; \
+    potential += if x > gap { k*(x - gap)^2/2 } else { if x < -gap { k*(x + gap)^2/3 } else { 0 } }; \
+    potential += if y > 1 { sqrt(y^2 + 1) } else { abs(y)*signum(x)^2 }; }";
+
+#[test]
+fn each_side_of_every_choice_is_proved_in_fields() {
+    let evidence = proof(STOPS, |_| {}).expect("it is right").evidence;
+    assert!(evidence.in_doubles.is_empty() && evidence.digits > 20, "{evidence:?}");
+    // Too little for doubles.
+    let nearly_half = |derivation: &mut Derivation| {
+        let programs = derivation.functions.iter_mut().map(|function| &mut function.program);
+        let constants = programs.chain([&mut derivation.constructor]).flat_map(|program| &mut program.instructions);
+        for constant in constants {
+            if let Instruction::Constant(number) = constant
+                && let value @ 0.5..0.7 = number.to_f64()
+            {
+                *number = Number::from_f64(value * (1.0 + 2f64.powi(-50))).expect("it is finite");
+            }
+        }
+    };
+    let found = proof(STOPS, nearly_half);
+    assert!(matches!(found, Err(Failure::Inexact { .. })), "{found:?}");
+}
+
+#[test]
+fn programs_that_use_what_is_not_made_are_refused() {
+    let malformed = |change: fn(&mut Program)| {
+        let found = proof(PENDULUM, |derivation| change(program(derivation, Kind::MassMatrix)));
+        assert!(matches!(&found, Err(Failure::Malformed { function }) if function == "mass_matrix"), "{found:?}");
+    };
+    malformed(|program| program.results[0] = Value(1000));
+    malformed(|program| program.instructions[0] = Instruction::Neg(Value(0)));
+    malformed(|program| program.instructions[0] = Instruction::Hoisted(1000));
+    malformed(|program| program.instructions[0] = Instruction::Symbol(Symbol::Multiplier(0)));
+}

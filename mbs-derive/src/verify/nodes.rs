@@ -199,6 +199,11 @@ pub(super) struct Shown {
 }
 
 impl Shown {
+    /// Whether there is anything that fields do not know.
+    pub(super) fn is_unusual(self) -> bool {
+        self.has_other_roots || self.has_other_angles
+    }
+
     /// At a point at which everything declared has a value.
     pub(super) fn at<const K: usize>(
         witness: &Witness<'_, '_>,

@@ -8,7 +8,7 @@ fn number(numerator: i128, denominator: i128) -> Image {
 
 /// Points with no relation, at which no square root is missing.
 fn points() -> impl Iterator<Item = [Image; 3]> {
-    let squared = |key| Image::of_constant(Image::random(key).power(4).value);
+    let squared = |key| Image::of_constant(Image::random(key).power(4).value, f64::NAN);
     (1..20).map(move |key| [squared(key), squared(key + 100), squared(key + 200)])
 }
 
@@ -153,6 +153,14 @@ fn conditions_are_numbers() {
         differ(x.call(Function::Abs), x);
     }
     assert_eq!([less(zero, one), less(one, zero), less(one, one)].map(|c| c.value), [1, 0, 0]);
+    for [x, y, z] in points() {
+        let (x, y) = (x.beside(-2.0), y.beside(3.0));
+        equal(less(x, y).select(y, z), y);
+        equal(x.add(y).mul(x).condition(zero, true).select(x, z), x);
+        equal(x.call(Function::Sin).power(2).condition(zero, false).select(x, z), x);
+        equal(x.call(Function::Abs).power(4), x.power(4));
+        equal(x.call(Function::Signum), number(-1, 1));
+    }
     equal(number(-3, 2).call(Function::Abs), number(3, 2));
     equal(number(-3, 2).call(Function::Signum), number(-1, 1));
 }

@@ -102,8 +102,9 @@ fn score(name: &str, sources: &Sources, tried: usize) -> Vec<[usize; 3]> {
     let graph = Graph::verbatim();
     let analysis = crate::Analysis::of(sources, &graph).unwrap();
     let (witness, derivation) = (Witness::new(analysis.lagrangian()), analysis.programs());
-    let roots = Nodes::of(&witness, derivation).obstacle(&witness, |number| nth_point(&witness, number)).unwrap();
-    let known = Field::of::<1>(&witness, derivation, roots).outcomes;
+    let nodes = Nodes::of(&witness, derivation);
+    let roots = nodes.obstacle(&witness, |number| nth_point(&witness, number)).unwrap();
+    let known = Field::of::<1>(&witness, derivation, roots, None).outcomes;
     let points = (0x4000..0x8000).map(|number| nth_point(&witness, number));
     let point = points.into_iter().find(|point| is_defined(&witness, point)).expect("a point with roots");
     let mut mutants = Mutants { derivation, random: Random::new(0x6d75_7461) };
@@ -115,12 +116,12 @@ fn score(name: &str, sources: &Sources, tried: usize) -> Vec<[usize; 3]> {
         assert!(drawn < 1000 * tried, "{name}: there is little to change");
         let Some((mutant, at)) = mutants.next(KINDS[number]) else { continue };
         found += 1;
-        // One field is enough; what is left to doubles, the whole proof refuses.
-        let is_refused = || {
-            let outcomes = Field::of::<1>(&witness, &mutant, roots).outcomes;
+        // One field is enough, without conditions; what is left to doubles, the whole proof refuses.
+        let fails = || {
+            let outcomes = Field::of::<1>(&witness, &mutant, roots, None).outcomes;
             known.iter().zip(outcomes).any(|(&known, found)| known == Outcome::Holds && found != Outcome::Holds)
-                || Proof::of(analysis.lagrangian(), &mutant).is_err()
         };
+        let is_refused = || !nodes.has_choices && fails() || Proof::of(analysis.lagrangian(), &mutant).is_err();
         // Of `conserved` is claimed that it does not change: with a constant term dropped it is as good.
         let is_integral = derivation.functions.get(at).is_some_and(|function| function.kind == FunctionKind::Conserved);
         let column = match is_equivalent(&point, derivation, &mutant, at) {
