@@ -8,6 +8,7 @@ mod json;
 
 use std::path::PathBuf;
 
+use mbs_derive::Error;
 use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
@@ -134,20 +135,30 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         files.writes("--out", out)?;
     }
     let text = match arguments.emit {
-        _ if arguments.review => mechanism::code(what, &sources, cache, |derivation| reviewed(derivation, &sources))?,
+        _ if arguments.review => {
+            mechanism::code(what, &sources, cache, |derivation| Ok(reviewed(derivation, &sources)))?
+        }
         Emit::Code(language) => {
             let options = Options::default().trigonometry(arguments.trigonometry.into());
-            let written = |derivation: &Derivation| language.write(derivation, sources.portable_name(), &options);
-            mechanism::code(what, &sources, cache, written)?
+            mechanism::code(what, &sources, cache, |derivation| written(language, derivation, &sources, &options))?
         }
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
-        Emit::Json => mechanism::code(what, &sources, cache, json::programs)?,
+        Emit::Json => mechanism::code(what, &sources, cache, |derivation| Ok(json::programs(derivation)))?,
     };
     match &arguments.out {
         None if arguments.emit == Emit::Json => output::print(&text),
         None => output::answer(|| json!({ "emit": what, "text": text }), || text.clone()),
         Some(path) => output::write(path, text.as_bytes()).and_then(|()| output::wrote(&[path])),
     }
+}
+
+/// The code, read again.
+fn written(language: Language, derivation: &Derivation, sources: &Sources, options: &Options) -> Result<String, Error> {
+    let code = language.write(derivation, sources.portable_name(), options);
+    if language == Language::Rust {
+        derivation.proofread(options, &code)?;
+    }
+    Ok(code)
 }
 
 fn reviewed(derivation: &Derivation, sources: &Sources) -> String {

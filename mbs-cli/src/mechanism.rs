@@ -104,11 +104,12 @@ pub(crate) fn code(
     what: &str,
     sources: &Sources,
     cache: &Cache,
-    write: impl FnOnce(&Derivation) -> String,
+    write: impl FnOnce(&Derivation) -> Result<String, Error>,
 ) -> Result<String, Failure> {
     kept(what, sources, cache, || {
         let Mechanism { derivation, warnings, .. } = proved_quietly(sources, cache)?;
-        Ok(Code { text: write(&derivation), warnings })
+        let text = write(&derivation).map_err(|error| Failure::from(Messages::of_error(&error, sources)))?;
+        Ok(Code { text, warnings })
     })
 }
 

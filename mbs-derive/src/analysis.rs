@@ -130,10 +130,10 @@ impl<'g> Analysis<'g> {
         warnings
     }
 
-    /// A module of Rust, proved.
+    /// A module of Rust, proved, and read again.
     ///
     /// # Errors
-    /// As [`prove`](Self::prove); [`Error::UnknownFunction`] if the options ask for a function that there is not.
+    /// As [`prove`](Self::prove), and [`Error::Proof`] where the text is not what was proved; [`Error::UnknownFunction`] if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
         let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
         for name in options.functions.iter().flatten() {
@@ -142,6 +142,8 @@ impl<'g> Analysis<'g> {
                 return Err(Error::UnknownFunction { name: name.clone(), known });
             }
         }
+        let code = emit::rust(derivation, self.sources.portable_name(), options);
+        derivation.proofread(options, &code)?;
         Ok(Generated {
             module: emit::module_name(derivation),
             name: emit::type_name(derivation),
@@ -149,7 +151,7 @@ impl<'g> Analysis<'g> {
             inputs: variable::count(&derivation.inputs),
             constraints: derivation.constraints.len(),
             implements_mechanism: emit::implements_mechanism(derivation, options),
-            code: emit::rust(derivation, self.sources.portable_name(), options),
+            code,
             others: self.others(options),
             warnings: warnings.render_in(&self.sources),
         })

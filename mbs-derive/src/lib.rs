@@ -25,6 +25,7 @@
 //! - `catalogue`: every generated function, declared once ([`optimise::FunctionKind`]);
 //! - [`optimise`]: straight-line programs and their operation counts;
 //! - [`verify`]: the proof; [`interpret`]: Programs run in process; [`emit`]: Rust; `latex`: equations on paper;
+//! - `proofread`: the emitted text read again and compared with the Programs;
 //! - `span`, `state`, [`variable`], [`numeric`]: what several passes need, and no mechanics;
 //! - [`diagnostic`]: what is wrong with a declaration, where, and what to write instead;
 //! - [`source`]: the files of a mechanism: its own, and those that it imports;
@@ -52,6 +53,7 @@ pub mod model;
 pub mod numeric;
 pub mod optimise;
 pub mod parse;
+mod proofread;
 mod review;
 mod scene;
 mod shape;

@@ -228,6 +228,13 @@ pub enum Failure {
         /// With which parameters.
         parameters: Vec<f64>,
     },
+    /// The emitted text is not the Program that was proved: a bug of the generator.
+    Misprint {
+        /// In which function, or in which part of the text.
+        function: String,
+        /// What differs.
+        what: String,
+    },
 }
 
 impl Failure {
@@ -237,6 +244,7 @@ impl Failure {
             Failure::NegativeInertia { .. } => Code::NegativeSomewhere,
             Failure::Overflow { .. } => Code::Overflow,
             Failure::Malformed { .. } | Failure::Inexact { .. } | Failure::Disagreement { .. } => Code::Disagreement,
+            Failure::Misprint { .. } => Code::Misprint,
         }
     }
 }
@@ -274,6 +282,11 @@ impl fmt::Display for Failure {
                  claim: {}, component {}\n  found {:?}, expected {:?}\n  at t = {:?}\n     q = {:?}\n    qd = {:?}\n   \
                  qdd = {:?}\n     u = {:?}\n  parameters = {:?}",
                 claim, component, found, expected, state.t, state.q, state.qd, state.qdd, state.u, parameters
+            ),
+            Failure::Misprint { function, what } => write!(
+                f,
+                "the emitted code is not the program that was proved; this is a bug of the generator, please report it\n  \
+                 in `{function}`: {what}"
             ),
         }
     }

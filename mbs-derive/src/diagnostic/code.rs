@@ -200,6 +200,7 @@ codes! {
     NegativeSomewhere = 1203,
     Overflow = 1204,
     Disagreement = 1205,
+    Misprint = 1206,
 }
 
 impl fmt::Display for Code {

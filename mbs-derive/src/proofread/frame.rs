@@ -1,0 +1,498 @@
+//! What stands around functions: types, signatures, traits, constants. It is written once more from the derivation, with
+//! the identifiers that the text has where they spell the names of the declaration, and compared line by line.
+
+use proc_macro2::{Ident, Literal, TokenStream};
+use quote::{ToTokens, quote};
+use syn::ext::IdentExt;
+use syn::{ImplItem, ImplItemFn, Item};
+
+use crate::catalogue::Trait;
+use crate::optimise::{Argument, Derivation, Function, FunctionKind};
+use crate::shape::Shape;
+use crate::variable::{Variable, component_names, count};
+
+use super::Proofreader;
+use super::reader::{Reading, compact, path_of};
+
+/// Whether an identifier is how a name is written: as it is; where that cannot be or is taken, with something behind.
+pub(super) fn spells(identifier: &str, name: &str, is_taken: bool) -> bool {
+    let plain = identifier.strip_prefix("r#").unwrap_or(identifier);
+    let is_possible = syn::parse_str::<Ident>(name).is_ok();
+    let start: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    let start = if start.starts_with(|c: char| c.is_ascii_digit()) { format!("_{start}") } else { start };
+    plain == name || ((is_taken || !is_possible) && plain.starts_with(&start))
+}
+
+impl<'d> Proofreader<'d> {
+    /// The fields of `Params`, which spell the names of the parameters.
+    pub(super) fn parameters(&self, items: &[Item]) -> Reading<Vec<Ident>> {
+        let mut fields = fields(items, |name| name == "Params");
+        if self.derivation.parameters.is_empty() {
+            fields.clear();
+        }
+        let names: Vec<&str> = self.derivation.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        all_spell(&fields, &names)?;
+        Ok(fields)
+    }
+
+    /// Everything but the bodies with arithmetic.
+    pub(super) fn frame(&self, items: &[Item], functions: &[&'d Function], methods: &[&ImplItemFn]) -> Reading<()> {
+        let Some(mechanism) = items.iter().rev().find_map(|item| match item {
+            Item::Struct(found) => Some(&found.ident),
+            _ => None,
+        }) else {
+            return Err("there is no mechanism".to_string());
+        };
+        if !mechanism.unraw().to_string().starts_with(&self.derivation.name) {
+            return Err(format!("`{mechanism}` is not `{}`", self.derivation.name));
+        }
+        let frame = Frame {
+            derivation: self.derivation,
+            mechanism,
+            parameters: &self.fields,
+            fields: fields(items, |name| name == mechanism),
+            functions: functions.iter().copied().zip(methods.iter().map(|method| &method.sig.ident)).collect(),
+            motion: methods.get(functions.len()).map(|motion| &motion.sig.ident),
+        };
+        let expected = frame.module(self.options.serde, &indices_of(items)?);
+        let expected = syn::parse2(expected).map_err(|error| error.to_string())?;
+        let found = syn::File {
+            shebang: None,
+            frontmatter: None,
+            attrs: Vec::new(),
+            items: items.iter().filter_map(without_bodies).collect(),
+        };
+        let [found, expected] = [found, expected].map(|file: syn::File| prettyplease::unparse(&file));
+        if found == expected {
+            return Ok(());
+        }
+        let (mut found, mut expected) = (found.lines(), expected.lines());
+        loop {
+            let (found, expected) = (found.next(), expected.next());
+            if found != expected {
+                let [found, expected] = [found, expected].map(|line| line.unwrap_or_default().trim());
+                return Err(format!("`{found}` instead of `{expected}`"));
+            }
+        }
+    }
+}
+
+/// An error unless each identifier spells its name.
+fn all_spell(identifiers: &[Ident], names: &[&str]) -> Reading<()> {
+    if identifiers.len() != names.len() {
+        return Err(format!("{} names instead of {}", identifiers.len(), names.len()));
+    }
+    for (i, (identifier, name)) in identifiers.iter().zip(names).enumerate() {
+        if !spells(&identifier.to_string(), name, names[..i].contains(name)) {
+            return Err(format!("`{identifier}` instead of `{name}`"));
+        }
+    }
+    Ok(())
+}
+
+/// The fields of a struct.
+fn fields(items: &[Item], is_it: impl Fn(&Ident) -> bool) -> Vec<Ident> {
+    let found = items.iter().find_map(|item| match item {
+        Item::Struct(found) if is_it(&found.ident) => Some(found),
+        _ => None,
+    });
+    found.into_iter().flat_map(|found| &found.fields).filter_map(|field| field.ident.clone()).collect()
+}
+
+/// The identifiers of indices: of coordinates, then of inputs.
+fn indices_of(items: &[Item]) -> Reading<[Vec<Ident>; 2]> {
+    let of = |name: &str| {
+        let inner = items.iter().find_map(|item| match item {
+            Item::Mod(module) if module.ident == name => module.content.as_ref(),
+            _ => None,
+        });
+        let constants = inner.into_iter().flat_map(|(_, items)| items).map(|item| match item {
+            Item::Const(constant) => Ok(constant.ident.clone()),
+            other => Err(format!("`{}` is no index", compact(other))),
+        });
+        constants.collect::<Reading<Vec<Ident>>>()
+    };
+    Ok([of("coordinate")?, of("input")?])
+}
+
+/// An item without its attributes and without bodies that have arithmetic in them; `None` of a table.
+fn without_bodies(item: &Item) -> Option<Item> {
+    let mut item = match item {
+        Item::Const(table) if !matches!(&*table.ty, syn::Type::Array(_)) => return None,
+        Item::Impl(block) => {
+            let of_trait = block.trait_.as_ref().map(|(path, _)| path_of(path));
+            let is_of_parameters = matches!(&*block.self_ty, syn::Type::Path(of) if path_of(&of.path) == "Params");
+            let has_arithmetic = |function: &ImplItemFn| match of_trait.as_deref() {
+                None => function.sig.ident != "try_new" && function.sig.ident != "params",
+                Some("core::default::Default") => is_of_parameters,
+                Some(_) => false,
+            };
+            let stripped = |item: &ImplItem| match item {
+                ImplItem::Fn(function) if has_arithmetic(function) => ImplItem::Fn(ImplItemFn {
+                    attrs: Vec::new(),
+                    vis: function.vis.clone(),
+                    modifiers: function.modifiers.clone(),
+                    sig: function.sig.clone(),
+                    block: syn::parse_quote!({}),
+                }),
+                ImplItem::Fn(function) => ImplItem::Fn(ImplItemFn { attrs: Vec::new(), ..function.clone() }),
+                other => other.clone(),
+            };
+            let items = block.items.iter().map(stripped).collect();
+            let mut bare = syn::ItemImpl {
+                attrs: Vec::new(),
+                modifiers: block.modifiers.clone(),
+                unsafety: block.unsafety,
+                impl_token: block.impl_token,
+                generics: block.generics.clone(),
+                trait_: block.trait_.clone(),
+                self_ty: block.self_ty.clone(),
+                brace_token: block.brace_token,
+                items: Vec::new(),
+            };
+            bare.items = items;
+            return Some(Item::Impl(bare));
+        }
+        other => other.clone(),
+    };
+    match &mut item {
+        Item::Struct(item) => {
+            item.attrs.clear();
+            item.fields.iter_mut().for_each(|field| field.attrs.clear());
+        }
+        Item::Const(item) => item.attrs.clear(),
+        Item::Mod(module) => {
+            module.attrs.clear();
+            for item in module.content.iter_mut().flat_map(|(_, items)| items) {
+                if let Item::Const(constant) = item {
+                    constant.attrs.clear();
+                }
+            }
+        }
+        _ => {}
+    }
+    Some(item)
+}
+
+/// What a module is made of.
+struct Frame<'f> {
+    derivation: &'f Derivation,
+    mechanism: &'f Ident,
+    /// The fields of `Params`.
+    parameters: &'f [Ident],
+    /// The fields of the mechanism.
+    fields: Vec<Ident>,
+    functions: Vec<(&'f Function, &'f Ident)>,
+    /// The motion with constraints.
+    motion: Option<&'f Ident>,
+}
+
+impl Frame<'_> {
+    fn module(&self, serde: bool, indices: &[Vec<Ident>; 2]) -> TokenStream {
+        let (name, parameters) = (self.mechanism, self.parameter_items(serde));
+        let hoisted = self.fields.iter().skip(1);
+        let methods = self.methods();
+        let traits = self.traits();
+        let constraints = self.constraints();
+        let constants = self.constants(indices);
+        quote! {
+            #parameters
+            pub struct #name<T = f64> { params: Params<T>, #(#hoisted: T,)* }
+            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for #name<T> {
+                fn default() -> Self {
+                    Self::new(Params::default())
+                }
+            }
+            impl<T: ::mbs_runtime::Scalar> #name<T> { #methods }
+            #traits
+            #constraints
+            #constants
+        }
+    }
+
+    fn parameter_items(&self, serde: bool) -> TokenStream {
+        let types = self.derivation.parameters.iter().map(|parameter| arrays(&parameter.lengths()));
+        let fields: Vec<_> = self.parameters.iter().zip(types).map(|(field, ty)| quote!(pub #field: #ty)).collect();
+        let marker = fields.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData<T>,));
+        let scalar = fields.is_empty().then(|| quote!(scalar));
+        let all: Vec<_> = self.parameters.iter().map(ToTokens::to_token_stream).chain(scalar).collect();
+        let unchecked = serde.then(|| {
+            quote! {
+                struct UncheckedParams<T> { #(#fields,)* #marker }
+                impl<T: ::mbs_runtime::Scalar> ::core::default::Default for UncheckedParams<T> {
+                    fn default() -> Self {
+                        let Params { #(#all),* } = Params::default();
+                        Self { #(#all),* }
+                    }
+                }
+                impl<T: ::mbs_runtime::Scalar> ::core::convert::TryFrom<UncheckedParams<T>> for Params<T> {
+                    type Error = ::mbs_runtime::ParameterError<T>;
+                    fn try_from(unchecked: UncheckedParams<T>) -> ::core::result::Result<Self, Self::Error> {
+                        let UncheckedParams { #(#all),* } = unchecked;
+                        let params = Self { #(#all),* };
+                        params.check()?;
+                        ::core::result::Result::Ok(params)
+                    }
+                }
+            }
+        });
+        quote! {
+            pub struct Params<T = f64> { #(#fields,)* #marker }
+            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for Params<T> {
+                fn default() -> Self {}
+            }
+            impl<T: ::mbs_runtime::Scalar> Params<T> {
+                pub fn check(&self) -> ::core::result::Result<(), ::mbs_runtime::ParameterError<T>> {}
+            }
+            #unchecked
+        }
+    }
+
+    fn methods(&self) -> TokenStream {
+        let functions = self.functions.iter().map(|(function, name)| {
+            let (arguments, result) = (self.arguments(function), self.result(function));
+            quote!(pub fn #name(&self, #arguments) -> #result {})
+        });
+        let forward_dynamics = self.derivation.function(FunctionKind::ForwardDynamics);
+        let motion = self.motion.zip(forward_dynamics).map(|(name, function)| {
+            let arguments = self.arguments(function);
+            let [n, rows] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
+            quote!(fn #name(&self, #arguments) -> ([T; #n], [T; #rows]) {})
+        });
+        quote! {
+            pub fn new(params: Params<T>) -> Self {}
+            pub fn try_new(params: Params<T>) -> ::core::result::Result<Self, ::mbs_runtime::ParameterError<T>> {
+                params.check()?;
+                ::core::result::Result::Ok(Self::new(params))
+            }
+            pub fn params(&self) -> &Params<T> {
+                &self.params
+            }
+            #(#functions)*
+            #motion
+        }
+    }
+
+    /// How many components an argument has.
+    fn count(&self, argument: Argument) -> usize {
+        match argument {
+            Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
+            Argument::U => count(&self.derivation.inputs),
+            Argument::Multipliers => self.derivation.constraints.len(),
+        }
+    }
+
+    /// The arguments of a function that are there: of no inputs there are none.
+    fn taken(&self, function: &Function) -> Vec<Argument> {
+        let is_there = |argument: &Argument| *argument != Argument::U || self.count(*argument) > 0;
+        function.arguments.iter().copied().filter(is_there).collect()
+    }
+
+    fn arguments(&self, function: &Function) -> TokenStream {
+        let time = self.derivation.depends_on_time.then(|| quote!(t: T,));
+        let signals = count(&self.derivation.prescribed);
+        let length = Literal::usize_unsuffixed(signals);
+        let prescribed = (signals > 0).then(|| quote!(prescribed: &[[T; 3]; #length],));
+        let state = self.taken(function).into_iter().map(|argument| self.argument(argument));
+        quote!(#time #prescribed #(#state),*)
+    }
+
+    fn argument(&self, argument: Argument) -> TokenStream {
+        let (name, length) = (identifier(argument.name()), Literal::usize_unsuffixed(self.count(argument)));
+        quote!(#name: &[T; #length])
+    }
+
+    fn result(&self, function: &Function) -> TokenStream {
+        let [n, inputs] = [self.derivation.dof(), self.count(Argument::U)].map(Literal::usize_unsuffixed);
+        match (function.kind, function.results.as_slice()) {
+            (FunctionKind::Linearize, _) => quote!(::mbs_runtime::Linearization<T, #n, #inputs>),
+            (FunctionKind::InverseDynamicsJacobian, _) => quote!(::mbs_runtime::InverseDynamicsJacobian<T, #n>),
+            (_, [part]) => type_of(part.shape),
+            (_, parts) => {
+                let parts = parts.iter().map(|part| type_of(part.shape));
+                quote!((#(#parts),*))
+            }
+        }
+    }
+
+    /// A call of a function by another one that has its arguments.
+    fn call(&self, (function, name): (&Function, &Ident), is_by_a_trait: bool) -> TokenStream {
+        let time = self.derivation.depends_on_time.then(|| quote!(t,));
+        let reference = is_by_a_trait.then(|| quote!(&));
+        let prescribed = (!self.derivation.prescribed.is_empty()).then(|| quote!(#reference prescribed,));
+        let state = self.taken(function).into_iter().map(|argument| identifier(argument.name()));
+        quote!(self.#name(#time #prescribed #(#state),*))
+    }
+
+    fn find(&self, kind: FunctionKind) -> Option<(&Function, &Ident)> {
+        self.functions.iter().find(|(function, _)| function.kind == kind).map(|(function, name)| (*function, *name))
+    }
+
+    /// The traits of the runtime whose functions are all there.
+    fn traits(&self) -> TokenStream {
+        let mut there: Vec<Trait> = Vec::new();
+        let mut implementations = Vec::new();
+        for of in Trait::ALL {
+            let functions: Option<Vec<_>> = FunctionKind::of_trait(of).map(|kind| self.find(kind)).collect();
+            if let Some(functions) = functions.filter(|_| of.rests_on().iter().all(|other| there.contains(other))) {
+                there.push(of);
+                implementations.push(self.implementation(of, &functions));
+            }
+        }
+        quote!(#(#implementations)*)
+    }
+
+    fn implementation(&self, of: Trait, functions: &[(&Function, &Ident)]) -> TokenStream {
+        let derivation = self.derivation;
+        let (name, trait_name) = (self.mechanism, identifier(of.name()));
+        let sizes = [derivation.dof(), self.count(Argument::U), derivation.constraints.len()];
+        let sizes = sizes[..of.sizes()].iter().map(|&size| Literal::usize_unsuffixed(size));
+        let items = match of {
+            Trait::Dynamics => self.names(),
+            Trait::Constrained => {
+                let (rows, holonomic) = (&derivation.constraints, &derivation.holonomic);
+                let count = Literal::usize_unsuffixed(rows.len());
+                quote! {
+                    const CONSTRAINTS: [&'static str; #count] = [#(#rows),*];
+                    const HOLONOMIC: [bool; #count] = [#(#holonomic),*];
+                }
+            }
+            Trait::Energies | Trait::Linearized | Trait::Mechanism => TokenStream::new(),
+        };
+        let time = if derivation.prescribed.is_empty() { quote!(t) } else { quote!((t, prescribed)) };
+        let functions = functions.iter().map(|(function, own)| {
+            let (of_trait, call) = (identifier(function.kind.name()), self.call((function, own), true));
+            let state = function.arguments.iter().map(|&argument| self.argument(argument));
+            let result = self.result(function);
+            quote!(fn #of_trait(&self, #time: Self::Time, #(#state),*) -> #result { #call })
+        });
+        quote! {
+            impl<T: ::mbs_runtime::Scalar> ::mbs_runtime::#trait_name<#(#sizes),*> for #name<T> {
+                #items
+                #(#functions)*
+            }
+        }
+    }
+
+    /// The types and names of `Dynamics`.
+    fn names(&self) -> TokenStream {
+        let Derivation { name, coordinates, inputs, prescribed, .. } = self.derivation;
+        let [coordinates, inputs] = [coordinates, inputs].map(|variables| component_names(variables));
+        let [n, u, signals] = [coordinates.len(), inputs.len(), count(prescribed)].map(Literal::usize_unsuffixed);
+        let time = if prescribed.is_empty() { quote!(T) } else { quote!((T, [[T; 3]; #signals])) };
+        quote! {
+            type Scalar = T;
+            type Time = #time;
+            const NAME: &'static str = #name;
+            const COORDINATES: [&'static str; #n] = [#(#coordinates),*];
+            const INPUTS: [&'static str; #u] = [#(#inputs),*];
+        }
+    }
+
+    /// What the runtime's `Projector` asks for.
+    fn constraints(&self) -> TokenStream {
+        let kinds = [
+            FunctionKind::MassMatrix,
+            FunctionKind::Constraint,
+            FunctionKind::ConstraintRate,
+            FunctionKind::ConstraintJacobian,
+        ];
+        let found: Option<Vec<_>> = kinds.into_iter().map(|kind| self.find(kind)).collect();
+        let Some(found) = found.filter(|_| self.derivation.prescribed.is_empty()) else { return TokenStream::new() };
+        let calls: Vec<_> = found.into_iter().map(|function| self.call(function, false)).collect();
+        let [mass_matrix, position, rate, jacobian] = calls.as_slice() else { unreachable!("four functions") };
+        let (name, holonomic) = (self.mechanism, &self.derivation.holonomic);
+        let [n, rows] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
+        let message = format!("{} coordinates", self.derivation.dof());
+        let [q, qd] = ["q", "qd"].map(|slice| {
+            let slice = identifier(slice);
+            quote!(let #slice = #slice.first_chunk::<#n>().expect(#message);)
+        });
+        quote! {
+            impl<T: ::mbs_runtime::Real> ::mbs_runtime::Constraints<T> for #name<T> {
+                fn rows(&self) -> usize { #rows }
+                fn is_holonomic(&self, row: usize) -> bool { [#(#holonomic),*][row] }
+                fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]) {
+                    #q
+                    m.copy_from_slice(#mass_matrix.as_flattened());
+                }
+                fn position(&self, t: T, q: &[T], phi: &mut [T]) {
+                    #q
+                    let qd = &[T::zero(); #n];
+                    phi.copy_from_slice(&#position);
+                }
+                fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]) {
+                    #q
+                    #qd
+                    rate.copy_from_slice(&#rate);
+                }
+                fn jacobian(&self, t: T, q: &[T], a: &mut [T]) {
+                    #q
+                    a.copy_from_slice(#jacobian.as_flattened());
+                }
+            }
+        }
+    }
+
+    fn constants(&self, [coordinates, inputs]: &[Vec<Ident>; 2]) -> TokenStream {
+        let coordinates = indices("coordinate", coordinates, &self.derivation.coordinates);
+        let inputs = indices("input", inputs, &self.derivation.inputs);
+        let list = |name: &str, entries: &[String]| {
+            let (name, length) = (identifier(name), Literal::usize_unsuffixed(entries.len()));
+            quote!(pub const #name: [&str; #length] = [#(#entries),*];)
+        };
+        let parameters = component_names(&self.derivation.parameters);
+        let parameters = (!parameters.is_empty()).then(|| list("PARAMETERS", &parameters));
+        let is_conserved = self.find(FunctionKind::Conserved).is_some();
+        let conserved = is_conserved.then(|| list("CONSERVED", &self.derivation.conserved));
+        quote!(#coordinates #inputs #parameters #conserved)
+    }
+}
+
+/// A module of the numbers and ranges of components; an identifier that spells no name is left out.
+fn indices(module: &str, identifiers: &[Ident], variables: &[Variable]) -> TokenStream {
+    if variables.is_empty() {
+        return TokenStream::new();
+    }
+    let names: Vec<String> = variables.iter().map(|variable| variable.name.to_uppercase()).collect();
+    let constants = identifiers.iter().zip(variables).enumerate().map(|(i, (name, variable))| {
+        if !spells(&name.to_string(), &names[i], names[..i].contains(&names[i])) {
+            return TokenStream::new();
+        }
+        let [first, end] = [variable.first, variable.first + variable.count()].map(Literal::usize_unsuffixed);
+        match variable.length {
+            None => quote!(pub const #name: usize = #first;),
+            Some(_) => quote!(pub const #name: ::core::ops::Range<usize> = #first..#end;),
+        }
+    });
+    let module = identifier(module);
+    quote!(pub mod #module { #(#constants)* })
+}
+
+fn identifier(name: &str) -> Ident {
+    Ident::new(name, proc_macro2::Span::call_site())
+}
+
+/// `T` in arrays of these lengths.
+fn arrays(lengths: &[usize]) -> TokenStream {
+    lengths.iter().rev().fold(quote!(T), |of, &length| several(&of, length))
+}
+
+fn several(of: &TokenStream, count: usize) -> TokenStream {
+    let count = Literal::usize_unsuffixed(count);
+    quote!([#of; #count])
+}
+
+fn type_of(shape: Shape) -> TokenStream {
+    match shape {
+        Shape::Scalar => quote!(T),
+        Shape::Vector(n) => arrays(&[n]),
+        Shape::Matrix(rows, columns) => arrays(&[rows, columns]),
+        Shape::Symmetric(n) => arrays(&[n, n]),
+        Shape::Matrices(n, rows, columns) => arrays(&[n, rows, columns]),
+        Shape::Pose => quote!(::mbs_runtime::Pose<T>),
+        Shape::Wrench => quote!(::mbs_runtime::Wrench<T>),
+        Shape::Poses(n) => several(&type_of(Shape::Pose), n),
+        Shape::Wrenches(n) => several(&type_of(Shape::Wrench), n),
+    }
+}
