@@ -1,9 +1,8 @@
-// Pages in a real browser: they open without errors, show something within a second, and their numbers are the Rust's.
-// MBS_SHOTS=FOLDER keeps pictures of them.
+// Pages in a real browser: they open without errors, show something, and their numbers are the Rust's.
+// MBS_SHOTS=FOLDER keeps pictures of them. Times are printed; MBS_TIMES=1 holds them to their bounds, on a machine that does nothing else.
 
 import assert from "node:assert/strict";
 import { writeFileSync } from "node:fs";
-import { cpus, loadavg } from "node:os";
 import { join } from "node:path";
 import { test } from "node:test";
 import { pathToFileURL } from "node:url";
@@ -59,9 +58,6 @@ const RATE = `new Promise((resolve) => {
   }, 2000);
 })`;
 
-/** Times say nothing where others want the processors, too. */
-const isBusy = () => loadavg()[0] > cpus().length;
-
 function difference(a, b) {
   const size = Math.max(...a.map(Math.abs), ...b.map(Math.abs), 1e-300);
   return Math.max(0, ...a.map((x, i) => (Object.is(x, b[i]) || x === b[i] ? 0 : Math.abs(x - b[i]) / size)));
@@ -76,7 +72,7 @@ for (const [path, options] of SHOWN) {
       await window.until("window.report?.motion.done && window.report.fitted && window.report.frames > 3");
       const { values, firstFrame, sample, error, status } = await window.evaluate(PROBE);
       assert.equal(error, null);
-      if (!isBusy()) assert.ok(firstFrame <= 1000, `the first frame comes after ${firstFrame} ms`);
+      if (process.env.MBS_TIMES) assert.ok(firstFrame <= 1000, `the first frame comes after ${firstFrame} ms`);
 
       // Functions and a sample of the motion as the Rust has them.
       const state = JSON.stringify(stateOf(about));
@@ -101,7 +97,7 @@ for (const [path, options] of SHOWN) {
       })()`);
       assert.ok(shades > 40, `${shades} shades`);
       const { rate, cost } = await window.evaluate(RATE);
-      console.log(`${path}: first frame ${firstFrame.toFixed(0)} ms, ${rate.toFixed(0)} frames/s, ${cost.toFixed(1)} ms each${isBusy() ? " (the machine is busy)" : ""}; ${status}`);
+      console.log(`${path}: first frame ${firstFrame.toFixed(0)} ms, ${rate.toFixed(0)} frames/s, ${cost.toFixed(1)} ms each; ${status}`);
       if (process.env.MBS_SHOTS) {
         await window.evaluate("window.report.scrub(window.report.motion.start + 0.35 * (window.report.motion.end - window.report.motion.start))");
         await window.evaluate("new Promise((resolve) => setTimeout(resolve, 300))");
