@@ -16,7 +16,7 @@ mod reader;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use syn::{ImplItem, Item, ItemImpl};
 
@@ -100,7 +100,8 @@ impl<'d> Proofreader<'d> {
         self.check(bodies.check, &parameters).map_err(|what| misprint("check", what))?;
         let mut methods = bodies.methods.into_iter();
         let new = methods.next();
-        let itself = self.constructor(new, parameters).map_err(|what| misprint("new", what))?;
+        let fields = frame::fields_of_the_mechanism(items);
+        let itself = self.constructor(new, parameters, &fields).map_err(|what| misprint("new", what))?;
         let methods: Vec<_> = methods.skip(2).collect();
         let functions = self.functions(&methods).map_err(|what| misprint("module", what))?;
         self.declare(&functions, &methods);
@@ -235,13 +236,24 @@ impl<'d> Proofreader<'d> {
     }
 
     /// What `self` is to the functions: the parameters, and what the constructor has computed.
-    fn constructor(&mut self, new: Option<&syn::ImplItemFn>, parameters: Meaning) -> Reading<Meaning> {
+    fn constructor(
+        &mut self,
+        new: Option<&syn::ImplItemFn>,
+        parameters: Meaning,
+        fields: &[syn::Ident],
+    ) -> Reading<Meaning> {
         let new = new.filter(|new| new.sig.ident == "new").ok_or("it is missing")?;
         let mut reader = Reader::new(&self.module, &mut self.numbering, [("params", parameters.clone())]);
         let found = reader.block(&new.block)?;
         match &found {
-            Meaning::Record(path, fields) if path == "Self" && fields.get("params") == Some(&parameters) => Ok(found),
-            _ => Err("the constructor does not keep its parameters".to_string()),
+            Meaning::Record(path, made)
+                if path == "Self"
+                    && made.get("params") == Some(&parameters)
+                    && fields.iter().map(ToString::to_string).collect::<BTreeSet<_>>().iter().eq(made.keys()) =>
+            {
+                Ok(found)
+            }
+            _ => Err("the constructor does not keep its parameters, or makes other fields than there are".to_string()),
         }
     }
 

@@ -37,12 +37,7 @@ impl<'d> Proofreader<'d> {
 
     /// Everything but the bodies with arithmetic.
     pub(super) fn frame(&self, items: &[Item], functions: &[&'d Function], methods: &[&ImplItemFn]) -> Reading<()> {
-        let Some(mechanism) = items.iter().rev().find_map(|item| match item {
-            Item::Struct(found) => Some(&found.ident),
-            _ => None,
-        }) else {
-            return Err("there is no mechanism".to_string());
-        };
+        let mechanism = mechanism(items).ok_or("there is no mechanism")?;
         if !mechanism.unraw().to_string().starts_with(&self.derivation.name) {
             return Err(format!("`{mechanism}` is not `{}`", self.derivation.name));
         }
@@ -50,7 +45,7 @@ impl<'d> Proofreader<'d> {
             derivation: self.derivation,
             mechanism,
             parameters: &self.fields,
-            fields: fields(items, |name| name == mechanism),
+            fields: fields_of_the_mechanism(items),
             functions: functions.iter().copied().zip(methods.iter().map(|method| &method.sig.ident)).collect(),
             motion: methods.get(functions.len()).map(|motion| &motion.sig.ident),
         };
@@ -88,6 +83,20 @@ fn all_spell(identifiers: &[Ident], names: &[&str]) -> Reading<()> {
         }
     }
     Ok(())
+}
+
+/// The name of the mechanism, whose struct is the last one.
+fn mechanism(items: &[Item]) -> Option<&Ident> {
+    items.iter().rev().find_map(|item| match item {
+        Item::Struct(found) => Some(&found.ident),
+        _ => None,
+    })
+}
+
+/// The fields of the mechanism.
+pub(super) fn fields_of_the_mechanism(items: &[Item]) -> Vec<Ident> {
+    let mechanism = mechanism(items);
+    fields(items, |name| Some(name) == mechanism)
 }
 
 /// The fields of a struct.
@@ -455,6 +464,9 @@ fn indices(module: &str, identifiers: &[Ident], variables: &[Variable]) -> Token
         return TokenStream::new();
     }
     let names: Vec<String> = variables.iter().map(|variable| variable.name.to_uppercase()).collect();
+    if identifiers.len() != variables.len() {
+        return TokenStream::new();
+    }
     let constants = identifiers.iter().zip(variables).enumerate().map(|(i, (name, variable))| {
         if !spells(&name.to_string(), &names[i], names[..i].contains(&names[i])) {
             return TokenStream::new();

@@ -114,12 +114,14 @@ pub(super) struct Expectation<'d> {
     pub(super) hoisted: Vec<Number>,
 }
 
-/// The lower triangle of M, A, and the right sides of a system.
-struct System<V> {
-    mass_matrix: Meaning,
-    jacobian: Meaning,
-    /// In the order of the parts.
-    right_sides: V,
+/// A system that is solved for a result.
+pub(super) struct System {
+    /// Row by row; above the diagonal, of which nothing is read, it is zero.
+    pub(super) mass_matrix: Vec<Number>,
+    /// A, row by row.
+    pub(super) jacobian: Vec<Number>,
+    /// Of each part, row by row.
+    pub(super) right_sides: Vec<Vec<Number>>,
 }
 
 impl<'d> Expectation<'d> {
@@ -205,50 +207,54 @@ impl<'d> Expectation<'d> {
         }
     }
 
-    /// The system of a function, its right sides by `part`.
-    fn system<P>(
-        &self,
-        function: &Function,
-        numbering: &mut Numbering,
-        part: impl Fn(&ResultPart, &mut dyn Iterator<Item = Meaning>) -> P,
-    ) -> System<Vec<P>> {
+    /// The system of a function.
+    pub(super) fn system(&self, function: &Function, numbering: &mut Numbering) -> System {
         let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
         let results = self.results(function, numbering);
         let (triangle, rest) = results.split_at(n * (n + 1) / 2);
         let zero = numbering.constant(0.0);
         let entry = |i: usize, j: usize| if j > i { zero } else { triangle[i * (i + 1) / 2 + j] };
-        let row = |i: usize| Meaning::list((0..n).map(|j| Meaning::Number(entry(i, j))).collect::<Vec<_>>());
-        let mass_matrix = Meaning::list((0..n).map(row).collect::<Vec<_>>());
-        let mut rest = rest.iter().copied().map(Meaning::Number);
-        let jacobian = shaped(Shape::Matrix(rows, n), &mut rest);
-        let right_sides = function.results.iter().map(|of| part(of, &mut rest)).collect();
-        System { mass_matrix, jacobian, right_sides }
+        let mass_matrix = (0..n * n).map(|i| entry(i / n, i % n)).collect();
+        let (jacobian, mut rest) = rest.split_at(rows * n);
+        let part = |of: &ResultPart| {
+            let (own, behind) = rest.split_at((n + rows) * width(of));
+            rest = behind;
+            own.to_vec()
+        };
+        System { mass_matrix, jacobian: jacobian.to_vec(), right_sides: function.results.iter().map(part).collect() }
     }
 
     fn solved(&self, function: &Function, numbering: &mut Numbering) -> Meaning {
-        let System { mass_matrix, right_sides, .. } =
-            self.system(function, numbering, |part, values| (part.shape, shaped(part.shape, values)));
-        if let [(shape, right_side)] = right_sides.as_slice() {
-            let solve = if matches!(shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" };
-            return Meaning::call(solve, [mass_matrix, right_side.clone()]);
+        let n = self.derivation.dof();
+        let system = self.system(function, numbering);
+        let mass_matrix = in_shape(Shape::Matrix(n, n), &system.mass_matrix);
+        let mut right_sides =
+            function.results.iter().zip(&system.right_sides).map(|(part, values)| in_shape(part.shape, values));
+        if let [part] = function.results.as_slice() {
+            let solve = if matches!(part.shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" };
+            let right_side = right_sides.next().expect("one part");
+            return Meaning::call(solve, [mass_matrix, right_side]);
         }
         let factors = Meaning::call("Ldlt::new", [mass_matrix]);
-        let solved = |(_, right_side)| Meaning::Call("solve_many".to_string(), [factors.clone(), right_side].into());
-        assembled(function, right_sides.into_iter().map(solved).collect())
+        let solved = |right_side| Meaning::Call("solve_many".to_string(), [factors.clone(), right_side].into());
+        assembled(function, right_sides.map(solved).collect())
     }
 
     /// q̈ and λ as the runtime gives them, from forward dynamics.
     pub(super) fn motion(&self, forward_dynamics: &Function, numbering: &mut Numbering) -> Meaning {
-        let n = self.derivation.dof();
-        let rows = self.derivation.constraints.len();
-        let System { mass_matrix, jacobian, right_sides } = self.system(forward_dynamics, numbering, |_, values| {
-            [n, rows].map(|count| shaped(Shape::Vector(count), values))
-        });
-        let [force, target] = right_sides.into_iter().next().expect("forward dynamics has one part");
+        let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
+        let System { mass_matrix, jacobian, right_sides } = self.system(forward_dynamics, numbering);
+        let (force, target) = right_sides[0].split_at(n);
+        let arguments = [
+            in_shape(Shape::Matrix(n, n), &mass_matrix),
+            in_shape(Shape::Matrix(rows, n), &jacobian),
+            in_shape(Shape::Vector(n), force),
+            in_shape(Shape::Vector(rows), target),
+        ];
         if self.derivation.constraint_vectors.iter().enumerate().all(|(row, &first)| row == first) {
-            return Meaning::call("constrained_solve", [mass_matrix, jacobian, force, target]);
+            return Meaning::call("constrained_solve", arguments);
         }
-        Meaning::call("constrained_solve_vectors", [mass_matrix, jacobian, force, target, self.vectors()])
+        Meaning::call("constrained_solve_vectors", arguments.into_iter().chain([self.vectors()]))
     }
 
     fn vectors(&self) -> Meaning {
@@ -258,27 +264,27 @@ impl<'d> Expectation<'d> {
     /// Derivatives of the motion with constraints.
     fn slopes(&self, function: &Function, numbering: &mut Numbering) -> Meaning {
         let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
-        let width = |part: &ResultPart| part.shape.count() / n;
-        let System { mass_matrix, jacobian, right_sides } = self.system(function, numbering, |part, values| {
-            (0..n + rows).map(|_| values.take(width(part)).collect()).collect::<Vec<Vec<Meaning>>>()
-        });
-        let row = |i: usize| Meaning::list(right_sides.iter().flat_map(|part| part[i].clone()).collect::<Vec<_>>());
+        let System { mass_matrix, jacobian, right_sides } = self.system(function, numbering);
+        let widths: Vec<usize> = function.results.iter().map(width).collect();
+        let row = |i: usize| {
+            let parts = right_sides.iter().zip(&widths);
+            let entries = parts.flat_map(|(part, &width)| &part[i * width..(i + 1) * width]);
+            Meaning::list(entries.copied().map(Meaning::Number).collect::<Vec<_>>())
+        };
         let force = Meaning::list((0..n).map(row).collect::<Vec<_>>());
         let target = Meaning::list((n..n + rows).map(row).collect::<Vec<_>>());
+        let (mass_matrix, jacobian) =
+            (in_shape(Shape::Matrix(n, n), &mass_matrix), in_shape(Shape::Matrix(rows, n), &jacobian));
         let motion = self.of_the_motion(Argument::Qdd, numbering);
         let sizes = self.sizes(function, numbering);
         let solution =
             Meaning::call("constrained_slopes", [mass_matrix, jacobian, force, target, self.vectors(), motion, sizes]);
-        if function.results.len() == 1 {
+        if widths.len() == 1 {
             return solution;
         }
-        let (solution, mut start) = (Rc::new(solution), 0);
-        let columns = |part: &ResultPart| {
-            let first = start;
-            start += width(part);
-            Meaning::Columns(solution.clone(), first)
-        };
-        assembled(function, function.results.iter().map(columns).collect())
+        let solution = Rc::new(solution);
+        let starts = widths.iter().scan(0, |next, width| Some(std::mem::replace(next, *next + width)));
+        assembled(function, starts.map(|start| Meaning::Columns(solution.clone(), start)).collect())
     }
 
     /// What columns of derivatives are measured by.
@@ -309,6 +315,19 @@ fn assembled(function: &Function, mut parts: Vec<Meaning>) -> Meaning {
         _ if parts.len() == 1 => parts.remove(0),
         _ => Meaning::Tuple(parts.into()),
     }
+}
+
+/// How many columns the right sides of a part have.
+pub(super) fn width(part: &ResultPart) -> usize {
+    match part.shape {
+        Shape::Matrix(_, columns) => columns,
+        _ => 1,
+    }
+}
+
+/// All these values in this shape.
+fn in_shape(shape: Shape, values: &[Number]) -> Meaning {
+    shaped(shape, &mut values.iter().copied().map(Meaning::Number))
 }
 
 /// The next values in this shape; of a symmetric matrix they are the lower triangle.

@@ -11,7 +11,7 @@ use crate::expr::Graph;
 use crate::source::Sources;
 
 /// Damages that are made to the text of one mechanism.
-const DAMAGES: usize = 1500;
+const DAMAGES: usize = 400;
 
 /// Derived, not proved; `None` in a package, which has no mechanisms beside it.
 fn derivation(name: &str) -> Option<Derivation> {
@@ -159,7 +159,7 @@ fn damages(code: &str) -> Vec<Damage> {
         if let Some(&other) = window.iter().find(|&&other| text(other) != text(window[0])) {
             neighbours.insert(window[0], other);
         }
-        if let Some(&other) = window.iter().rev().find(|&&other| text(other) != text(window[0])) {
+        if let Some(&other) = window.iter().rev().find(|&&other| text(other) != text(window[11])) {
             neighbours.insert(window[11], other);
         }
     }
@@ -181,7 +181,8 @@ fn damages(code: &str) -> Vec<Damage> {
             let at = word.find('e').unwrap_or(word.len());
             let digit = word[..at].chars().last().and_then(|digit| digit.to_digit(10)).expect("a digit");
             let other = format!("{}{}{}", &word[..at - 1], (digit + 1) % 10, &word[at..]);
-            if other.trim_start_matches(['0', '.']) != word.trim_start_matches(['0', '.']) {
+            let is_same = |a: &str, b: &str| a.parse::<f64>().ok().is_some_and(|a| Ok(a) == b.parse());
+            if !is_same(&other, word) {
                 one("a last digit", i, other);
             }
         }
@@ -286,8 +287,8 @@ fn damaged_texts_with_sines_of_the_library_are_refused() {
 }
 
 #[test]
-fn damaged_texts_of_large_mechanisms_are_refused() {
-    damage_all(&["tests/mechanisms/rolling_coin", "models/mechanisms/n_pendulum"], &Options::default().serde(true));
+fn damaged_texts_with_serde_are_refused() {
+    damage_all(&["tests/mechanisms/rolling_coin"], &Options::default().serde(true));
 }
 
 /// A report says in which function, what is there and what should be.
