@@ -101,7 +101,7 @@ impl<'g> Analysis<'g> {
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, optimise::Instruction, source::Sources};
-    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+    /// let text = "mechanism A { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
     /// let graph = Graph::verbatim();
     /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
     /// assert!(analysis.prove(analysis.programs()).is_ok());
@@ -133,7 +133,8 @@ impl<'g> Analysis<'g> {
     /// A module of Rust, proved, and read again.
     ///
     /// # Errors
-    /// As [`prove`](Self::prove), and [`Error::Proof`] where the text is not what was proved; [`Error::UnknownFunction`] if the options ask for a function that there is not.
+    /// As [`prove`](Self::prove), and [`Error::Proof`] where the text is not what was proved; [`Error::UnknownFunction`]
+    /// if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
         let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
         for name in options.functions.iter().flatten() {

@@ -1,8 +1,8 @@
 //! The emitted text read again, and compared with the Programs that were proved: so that printing is proved, too.
 //!
-//! The text of each function is evaluated symbolically: every expression gets the number of its value, and so does every
-//! instruction of the Program, in one table. A function is right where what it returns has the numbers of its Program's
-//! results, in their shape, and constants their bits. Nothing is shared with the emitter.
+//! The text of each function is evaluated symbolically: every expression gets the number of its value, and so does
+//! every instruction of the Program, in one table. A function is right where what it returns has the numbers of its
+//! Program's results, in their shape, and constants their bits. Nothing is shared with the emitter.
 //!
 //! - `numbering`: what is one value;
 //! - `meaning`: what expressions mean, and what functions are to return;
@@ -34,7 +34,7 @@ impl Derivation {
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
-    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+    /// let text = "mechanism A { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
     /// let graph = Graph::verbatim();
     /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
     /// let (programs, options) = (analysis.programs(), Default::default());

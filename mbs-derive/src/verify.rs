@@ -200,8 +200,8 @@ pub enum Failure {
         /// Which function.
         function: String,
     },
-    /// An instruction uses a value that no instruction before it makes, or that there is not: programs that were altered
-    /// by hand.
+    /// An instruction uses a value that no instruction before it makes, or that there is not: programs that were
+    /// altered.
     Malformed {
         /// Which function.
         function: String,

@@ -1,5 +1,5 @@
-//! What stands around functions: types, signatures, traits, constants. It is written once more from the derivation, with
-//! the identifiers that the text has where they spell the names of the declaration, and compared line by line.
+//! What stands around functions: types, signatures, traits, constants. It is written once more from the derivation,
+//! with the identifiers that the text has where they spell the names of the declaration, and compared line by line.
 
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
