@@ -133,8 +133,8 @@ impl<'g> Analysis<'g> {
     /// A module of Rust, proved, and read again.
     ///
     /// # Errors
-    /// As [`prove`](Self::prove), and [`Error::Proof`] where the text is not what was proved; [`Error::UnknownFunction`]
-    /// if the options ask for a function that there is not.
+    /// As [`prove`](Self::prove), and [`Error::Proof`] where the text is not what was proved;
+    /// [`Error::UnknownFunction`] if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
         let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
         for name in options.functions.iter().flatten() {
