@@ -3,10 +3,12 @@
 //!
 //! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
 //! - `statement`: energies, forces, outputs; `constraint`: constraints;
-//! - `part`: statements that are used many times; `sample`: tables; `array`: arrays and matrices of parameters.
+//! - `part`: statements that are used many times; `sample`: tables; `array`: arrays and matrices of parameters;
+//! - `corner`: branches, absolute values and conditions on which a careless proof would cry wolf.
 
 mod array;
 mod constraint;
+mod corner;
 mod frame;
 mod part;
 mod sample;
@@ -141,6 +143,40 @@ pub fn draw(seed: u64, wanted: Option<Construct>, without: &[Construct]) -> Draw
     draw.finished()
 }
 
+/// The piecewise mechanism of a seed: conditions, corners and sides of every kind, in energies, forces, constraints and
+/// outputs of what [`draw`] draws.
+pub fn draw_piecewise(seed: u64) -> Drawn {
+    let mut random = Random::new(seed ^ 0x636f_726e_6572);
+    let mut constructs: BTreeSet<Construct> = PIECEWISE.into_iter().filter(|_| random.one_in(4)).collect();
+    if constructs.contains(&Construct::Reactions) {
+        constructs.insert(Construct::Trees);
+    }
+    let is_decidable = !random.one_in(8);
+    let mut draw = Draw::new(random, constructs);
+    draw.is_decidable = is_decidable;
+    draw.mechanism();
+    draw.corners();
+    draw.finished()
+}
+
+/// What piecewise mechanisms are made of besides: no tables, because fields know no law of them.
+const PIECEWISE: [Construct; 14] = [
+    Construct::Trees,
+    Construct::Energies,
+    Construct::Branches,
+    Construct::Functions,
+    Construct::Signals,
+    Construct::Constraints,
+    Construct::Quaternions,
+    Construct::Gravity,
+    Construct::PointForces,
+    Construct::Forces,
+    Construct::Reactions,
+    Construct::Outputs,
+    Construct::Units,
+    Construct::Scales,
+];
+
 /// A length or an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Measure {
@@ -192,6 +228,8 @@ struct Draw {
     plain_functions: Vec<String>,
     /// Those that a table gives, with kinks or without.
     tabulated: Vec<String>,
+    /// Whether functions of which fields know no law are left out.
+    is_decidable: bool,
     names: usize,
     /// Words that are names of nothing yet.
     words: Vec<&'static str>,
@@ -222,6 +260,7 @@ impl Draw {
             turning: Vec::new(),
             plain_functions: Vec::new(),
             tabulated: Vec::new(),
+            is_decidable: false,
             names: 0,
             words: WORDS.to_vec(),
         }
