@@ -218,8 +218,25 @@ fn what_rounding_decides_is_no_disagreement() {
         "potential += signum((x + 0.1) - x - 0.1)*y + abs(x)^3;",
         "force x += abs(m*(dt(x) + 0.1) - m*dt(x) - m/10)*y + signum(dt(y));",
         "potential += if 1e16 + 1 - 1e16 < 0.5 { x^2 } else { x^3 };",
+        "potential += 1e3*(x^2 + y^2) + 1e-12*(if m*(sin(x)^2 + cos(x)^2 - 1) > 1e-9 { x } else { y });",
+        "potential += 1e3*(x^2 + y^2) + 1e-12*(if m*(x/3.7*3.7 - x) > 1e-8*y { y } else { x });",
         "potential += if 0.1 + 0.2 <= 0.3 { x^2 } else { x^3 };",
     ] {
         dimensionless(&format!("{plane} {body}"));
+    }
+}
+
+/// Slopes at zero that duals take for 0 · ∞.
+#[test]
+fn powers_that_are_not_whole_have_rates_at_zero() {
+    let line = "coord x: 1; coord y: 1; param k: 1 = 2; kinetic += dt(x)^2 + dt(y)^2;";
+    for body in [
+        "potential += if x > 0 { x^1.5 } else { 0 };",
+        "potential += k*(if x > 0 { x^1.5 } else { -(-x)^1.5 });",
+        "potential += k*abs(x)^1.5 + abs(y)^2.5;",
+        "potential += max(x, 0)^1.5;",
+        "lagrangian += abs(x)^1.5*dt(y);",
+    ] {
+        assert!(dimensionless(&format!("{line} {body}")).contains(&"energy_integral".to_string()), "{body}");
     }
 }

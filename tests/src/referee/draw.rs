@@ -151,13 +151,23 @@ pub fn draw_piecewise(seed: u64) -> Drawn {
     if constructs.contains(&Construct::Reactions) {
         constructs.insert(Construct::Trees);
     }
-    let is_decidable = !random.one_in(8);
+    let left_out = [(8, &OPAQUE[..]), (3, &ROOTS), (3, &LARGE_AND_SMALL)]
+        .map(|(n, parts)| if random.one_in(n) { &[] } else { parts });
     let mut draw = Draw::new(random, constructs);
-    draw.is_decidable = is_decidable;
+    draw.left_out = left_out.concat();
     draw.mechanism();
     draw.corners();
     draw.finished()
 }
+
+/// Functions of which fields know no law: where one is, what differs between sides of choices is proved in doubles.
+const OPAQUE: [&str; 6] = ["atan", "asin", "acos", "ln(", "^(1/3)", "^sin"];
+
+/// Roots: where some depend on others, nothing is proved in fields.
+const ROOTS: [&str; 5] = ["sqrt", "hypot", "^1.5", "^2.5", "^(-1/2)"];
+
+/// Numbers beside which others are lost.
+const LARGE_AND_SMALL: [&str; 4] = ["1e12", "1e-200", "1e9", "1e16"];
 
 /// What piecewise mechanisms are made of besides: no tables, because fields know no law of them.
 const PIECEWISE: [Construct; 14] = [
@@ -228,8 +238,8 @@ struct Draw {
     plain_functions: Vec<String>,
     /// Those that a table gives, with kinks or without.
     tabulated: Vec<String>,
-    /// Whether functions of which fields know no law are left out.
-    is_decidable: bool,
+    /// Forms of numbers with one of these are left out.
+    left_out: Vec<&'static str>,
     names: usize,
     /// Words that are names of nothing yet.
     words: Vec<&'static str>,
@@ -260,7 +270,7 @@ impl Draw {
             turning: Vec::new(),
             plain_functions: Vec::new(),
             tabulated: Vec::new(),
-            is_decidable: false,
+            left_out: Vec::new(),
             names: 0,
             words: WORDS.to_vec(),
         }

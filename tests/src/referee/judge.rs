@@ -70,7 +70,11 @@ impl Fault {
         let plain =
             |text: &str| text.lines().next().unwrap_or_default().chars().filter(|c| !c.is_ascii_digit()).collect();
         match self {
-            Fault::Refused(report) => plain(report),
+            // What is said of a proof has the claim in its second line.
+            Fault::Refused(report) => {
+                let claim = report.lines().find(|line| line.trim_start().starts_with("claim:"));
+                plain(report) + claim.map(plain).as_deref().unwrap_or_default()
+            }
             Fault::Panic(report) | Fault::NotUnderstood(report) => plain(report),
             Fault::Wrong { function, .. } => function.clone(),
         }

@@ -122,16 +122,26 @@ impl Draw {
 
     /// A number with corners.
     fn piecewise(&mut self, depth: usize) -> String {
-        let form = if self.chance(15) { self.pick(&GUARDED) } else { self.pick(&CORNERS) };
-        self.filled(form, depth, Self::operand)
+        let form = if self.chance(15) { self.form(&GUARDED) } else { self.form(&CORNERS) };
+        format!("({})", self.filled(form, depth, Self::operand))
     }
 
     /// A condition.
     fn condition(&mut self, operand: fn(&mut Self, usize) -> String) -> String {
-        let form = self.pick(&COMPARED);
+        let form = self.form(&COMPARED);
         let [one, other] = [(); 2].map(|()| operand(self, 0));
         let [first, second] = [(); 2].map(|()| self.parameter([0; 3]));
         form.replace('#', &one).replace('@', &other).replace('$', &first).replace('%', &second)
+    }
+
+    /// One of these that has nothing that is left out.
+    fn form(&mut self, forms: &[&'static str]) -> &'static str {
+        loop {
+            let form = self.pick(forms);
+            if !self.left_out.iter().any(|part| form.contains(part)) {
+                return form;
+            }
+        }
     }
 
     fn filled(&mut self, form: &str, depth: usize, operand: fn(&mut Self, usize) -> String) -> String {
@@ -187,9 +197,9 @@ impl Draw {
             Measure::Length => self.parameter([1, 1, -2]),
             Measure::Angle => self.parameter([1, 2, -2]),
         };
-        let form = self.pick(&CORNERS);
+        let form = self.form(&CORNERS);
         let value = self.filled(form, 1, Self::rated);
-        format!("force {} += -{strength}*{value};", coordinate.name)
+        format!("force {} += -{strength}*({value});", coordinate.name)
     }
 
     /// A coordinate that is carried by others, one way on one side and another way on the other.

@@ -58,9 +58,6 @@ const KINKED: [&str; 12] = [
     "(if # > 1 { 2*# } else if # > 0 { # + 1 } else { 1 })",
 ];
 
-/// Functions of which fields know no law: where one is, what differs between sides of choices is proved in doubles.
-const OPAQUE: [&str; 7] = ["atan", "asin", "acos", "ln(", "^(1/3)", "^sin", "atan2"];
-
 impl Draw {
     /// A number without a dimension.
     pub(super) fn plain(&mut self, depth: usize) -> String {
@@ -78,7 +75,7 @@ impl Draw {
                 0..5 => self.pick(&SMOOTH),
                 _ => self.pick(&PAIRS),
             };
-            if !(self.is_decidable && OPAQUE.iter().any(|function| form.contains(function))) {
+            if !self.left_out.iter().any(|part| form.contains(part)) {
                 break form;
             }
         };
