@@ -41,7 +41,7 @@ const COMPARED: [&str; 34] = [
     "max(#, @) < min(#, 0.7)",
 ];
 
-/// Corners and sides; `#` and `@` are numbers, `?` and `!` conditions.
+/// Corners and sides; `#` and `@` are numbers, `?` and `~` conditions.
 const CORNERS: [&str; 36] = [
     "(if ? { # } else { @ })",
     "(if ? { # } else { @ })",
