@@ -90,16 +90,3 @@ fn counted(variables: &[Variable], what: &str) -> String {
     let number = plural(count, what, &format!("{what}s"));
     if names.is_empty() { number } else { format!("{number} ({})", abridged(&names)) }
 }
-
-/// At most eight names.
-pub(crate) fn abridged(names: &[String]) -> String {
-    match names {
-        [head @ .., last] if names.len() > 8 => format!("{}, …, {last}", head[..6].join(", ")),
-        _ => names.join(", "),
-    }
-}
-
-/// A count with its noun.
-pub(crate) fn plural(count: usize, one: &str, many: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}

@@ -51,6 +51,7 @@ mod scene;
 mod simulate;
 mod state;
 mod watch;
+mod words;
 
 use std::process::ExitCode;
 

@@ -83,7 +83,7 @@ fn in_columns(rows: &[Vec<String>], to_the_left: usize) -> String {
 }
 
 fn summary(derivation: &Derivation) -> String {
-    format!("{}: {}", derivation.name, crate::check::plural(derivation.dof(), "coordinate", "coordinates"))
+    format!("{}: {}", derivation.name, crate::words::plural(derivation.dof(), "coordinate", "coordinates"))
 }
 
 fn row(name: &str, operations: Operations) -> [String; 8] {

@@ -316,10 +316,19 @@ impl Prover<'_, '_, '_, '_> {
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
         let (none, few) = (BTreeSet::new(), self.states < STATES_OF_KNOWN);
         let known = if few { &none } else { self.known };
-        trial.prove(known)?;
+        let proved = trial.prove(known).and_then(|()| {
+            let is_singular = is_physical && inertia::is_singular(&trial, at, with)?;
+            Ok((is_singular, prove_on_constraints(&trial, known, with, is_physical)?))
+        });
+        let (is_singular, on_constraints) = match proved {
+            // Which side is right nobody knows.
+            Err(Failure::Disagreement { state, parameters, .. }) if self.coverage.is_undecided(&state, &parameters) => {
+                self.coverage.meet(at, with);
+                return Ok(false);
+            }
+            proved => proved?,
+        };
         self.coverage.note(at, with);
-        let is_singular = is_physical && inertia::is_singular(&trial, at, with)?;
-        let on_constraints = prove_on_constraints(&trial, known, with, is_physical)?;
         self.states += 1 + usize::from(on_constraints.is_some());
         // A mechanism never is where its constraints do not hold: a quaternion of zeros turns nothing.
         let is_singular = if trial.is_constrained() { on_constraints == Some(true) } else { is_singular };

@@ -205,3 +205,38 @@ fn what_is_equal_for_all_values_is_no_matter_of_rounding() {
     dimensionless(&format!("{slopes} dissipation += p*dt(if r/r < 1 {{ x }} else {{ 2*y }})^2;"));
     dimensionless(&format!("{slopes} force y += if sin(r*x)^2 + cos(r*x)^2 <= 1 {{ 1 }} else {{ dt(x) }};"));
 }
+
+/// Comparisons that rounding decides, though what is compared differs: no side is the wrong one.
+#[test]
+fn what_rounding_decides_is_no_disagreement() {
+    let plane = "coord x: 1; coord y: 1; param m: 1 = 1e9; kinetic += dt(x)^2 + dt(y)^2;";
+    for body in [
+        "potential += if (x + 1e12) - 1e12 < y { x^2 } else { y^3 };",
+        "potential += if (1e9 + x) - 1e9 > 1.0001*x { x^2*y } else { y^3 };",
+        "potential += if 1e12*(sin(x)^2 + cos(x)^2 - 1) > 1e-7 { x^2*y } else { y^3 };",
+        "potential += signum(m*(sin(x)^2 + cos(x)^2 - 1))*y^2 + abs(y)^3;",
+        "potential += signum((x + 0.1) - x - 0.1)*y + abs(x)^3;",
+        "force x += abs(m*(dt(x) + 0.1) - m*dt(x) - m/10)*y + signum(dt(y));",
+        "potential += if 1e16 + 1 - 1e16 < 0.5 { x^2 } else { x^3 };",
+        "potential += 1e3*(x^2 + y^2) + 1e-12*(if m*(sin(x)^2 + cos(x)^2 - 1) > 1e-9 { x } else { y });",
+        "potential += 1e3*(x^2 + y^2) + 1e-12*(if m*(x/3.7*3.7 - x) > 1e-8*y { y } else { x });",
+        "potential += if 0.1 + 0.2 <= 0.3 { x^2 } else { x^3 };",
+    ] {
+        dimensionless(&format!("{plane} {body}"));
+    }
+}
+
+/// Slopes at zero that duals take for 0 · ∞.
+#[test]
+fn powers_that_are_not_whole_have_rates_at_zero() {
+    let line = "coord x: 1; coord y: 1; param k: 1 = 2; kinetic += dt(x)^2 + dt(y)^2;";
+    for body in [
+        "potential += if x > 0 { x^1.5 } else { 0 };",
+        "potential += k*(if x > 0 { x^1.5 } else { -(-x)^1.5 });",
+        "potential += k*abs(x)^1.5 + abs(y)^2.5;",
+        "potential += max(x, 0)^1.5;",
+        "lagrangian += abs(x)^1.5*dt(y);",
+    ] {
+        assert!(dimensionless(&format!("{line} {body}")).contains(&"energy_integral".to_string()), "{body}");
+    }
+}

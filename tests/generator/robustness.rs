@@ -9,13 +9,18 @@ use std::time::Duration;
 
 use mbs_derive::parse;
 use mbs_derive::source::Sources;
+use mbs_tests::random::Random;
 use mbs_tests::robustness::examine::{Outcome, examine};
-use mbs_tests::robustness::{Models, model, mutation};
+use mbs_tests::robustness::target::TARGETS;
+use mbs_tests::robustness::{Models, model, mutation, seeded};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
 /// A text is answered within this time, on a machine that does other things as well.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A small text is answered within this time.
+const HASTE: Duration = Duration::from_secs(5);
 
 /// This many texts are drawn, unless `MBS_CASES` says how many.
 fn cases(usual: u32) -> u32 {
@@ -29,7 +34,7 @@ fn runner(usual: u32) -> TestRunner {
     TestRunner::new_with_rng(config, TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]))
 }
 
-/// Examines a file in a thread of the usual stack, and waits no longer than is reasonable.
+/// Examines a file.
 fn answered(models: &Arc<Models>, name: &str, bytes: Vec<u8>) -> Result<Outcome, String> {
     let text = match parse::text(name, bytes) {
         Ok(text) => text,
@@ -37,19 +42,26 @@ fn answered(models: &Arc<Models>, name: &str, bytes: Vec<u8>) -> Result<Outcome,
         Err(report) => return Err(format!("a report without a place: {report}")),
     };
     let (models, name, source) = (Arc::clone(models), name.to_string(), text.clone());
+    let result = watched(PATIENCE, move || examine(&Sources::gather(&name, &source, |name| models.import(name))));
+    result.map_err(|reason| format!("{reason}\n\n{text}"))
+}
+
+/// Does a work in a thread of the usual stack, and waits no longer than is reasonable.
+fn watched<T: Send + 'static>(
+    patience: Duration,
+    work: impl FnOnce() -> Result<T, String> + Send + 'static,
+) -> Result<T, String> {
     let (send, receive) = mpsc::channel();
     let worker = thread::Builder::new().stack_size(2 << 20).spawn(move || {
-        let result = examine(&Sources::gather(&name, &source, |name| models.import(name)));
         // Nobody listens where the time is over.
-        send.send(result).unwrap_or(());
+        send.send(work()).unwrap_or(());
     });
     let worker = worker.expect("a thread");
-    let result = match receive.recv_timeout(PATIENCE) {
+    match receive.recv_timeout(patience) {
         Ok(result) => result,
-        Err(mpsc::RecvTimeoutError::Timeout) => Err(format!("no answer in {PATIENCE:?}")),
+        Err(mpsc::RecvTimeoutError::Timeout) => Err(format!("no answer in {patience:?}")),
         Err(mpsc::RecvTimeoutError::Disconnected) => Err(format!("a panic: {}", panic_of(worker))),
-    };
-    result.map_err(|reason| format!("{reason}\n\n{text}"))
+    }
 }
 
 fn panic_of(worker: thread::JoinHandle<()>) -> String {
@@ -117,6 +129,32 @@ fn damaged_models_are_answered() {
 fn models_from_the_grammar_are_answered() {
     let tally = drawn(60, &model::text(), |text| ("a.mbs".to_string(), text.into_bytes()));
     assert!(tally.refused > 0 && tally.generated > 0, "some come to each end");
+}
+
+/// The bodies of the fuzz targets, on bytes that are damaged from a seed; `MBS_CASES=100` draws hundred times as many.
+#[test]
+fn damaged_bytes_are_answered() {
+    for (name, target) in TARGETS {
+        let corpus = seeded::corpus(name);
+        let count = match name {
+            "pipeline" => 40,
+            "import" => 150,
+            "state" => 3000,
+            _ => 400,
+        };
+        let mut random = Random::new(name.len() as u64);
+        for number in 0..count * cases(1) {
+            let bytes = seeded::damaged(&mut random, &corpus);
+            let hasty = || {
+                let bytes = bytes.clone();
+                watched(HASTE, move || target(&bytes))
+            };
+            // Once more, because this machine may have done other things.
+            let answer = hasty().or_else(|_| hasty());
+            let shown = || String::from_utf8_lossy(&bytes).chars().take(20_000).collect::<String>();
+            answer.unwrap_or_else(|fault| panic!("{name}, number {number}: {fault}\n\n{}", shown()));
+        }
+    }
 }
 
 /// What was found by drawing, and mended: a body at rest; a rate whose second derivative nobody gives; a

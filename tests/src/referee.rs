@@ -36,6 +36,6 @@ mod unit;
 mod value;
 mod wide;
 
-pub use draw::{Construct, Drawn, draw};
-pub use judge::{Fault, Judged, judge};
-pub use shrink::shrink;
+pub use draw::{Construct, Drawn, draw, draw_piecewise};
+pub use judge::{Fault, Judged, judge, proved};
+pub use shrink::{shrink, shrink_unproved};

@@ -3,12 +3,18 @@
 //! - [`mutation`]: the good models of the repository, damaged token by token;
 //! - [`robot`]: robots of other formats, damaged;
 //! - [`model`]: models written from the grammar, of which most are right;
-//! - [`examine`]: the whole generator run on a text.
+//! - [`seeded`]: bytes of all that is read, damaged from a seed;
+//! - [`examine`]: the whole generator run on a text;
+//! - [`target`]: what is done with bytes of any kind, by tests and by the fuzz targets of `fuzz/`; `state`: the program's
+//!   reader of state files.
 
 pub mod examine;
 pub mod model;
 pub mod mutation;
 pub mod robot;
+pub mod seeded;
+mod state;
+pub mod target;
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -71,12 +71,12 @@ impl Explanation {
     }
 
     fn words(&self) -> String {
-        let bodies = crate::check::plural(self.bodies, "body", "bodies");
+        let bodies = crate::words::plural(self.bodies, "body", "bodies");
         let tree = match (self.bodies, self.others) {
             (0, _) => "T has no bodies that the generator can see: everything is derived plainly.".to_string(),
             (_, 0) => format!("T is {bodies}."),
             (_, others) => {
-                let terms = crate::check::plural(others, "term that is no body", "terms that are no bodies");
+                let terms = crate::words::plural(others, "term that is no body", "terms that are no bodies");
                 format!("T is {bodies} and {terms}: these are derived plainly and added.")
             }
         };

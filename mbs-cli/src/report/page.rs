@@ -9,11 +9,11 @@ use super::about::{about, called};
 use super::html::{code, escaped, number, paragraphs, prose, section, size, table};
 use super::{Parts, accuracy, in_script, module};
 use crate::check::Freedom;
-use crate::check::plural;
 use crate::failure::Failure;
 use crate::output;
 use crate::scene::mesh;
 use crate::state::Point;
+use crate::words::plural;
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");

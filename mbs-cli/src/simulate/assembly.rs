@@ -3,10 +3,10 @@
 use mbs_derive::optimise::FunctionKind;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
-use crate::check::abridged;
 use crate::equations::{Equations, Motion};
 use crate::failure::Failure;
 use crate::output;
+use crate::words::abridged;
 
 /// A change of a coordinate by less than this, relative to 1 or its size, is rounding of the input.
 const NOTICEABLE: f64 = 1e-9;

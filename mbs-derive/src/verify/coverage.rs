@@ -1,19 +1,25 @@
 //! Which sides of branches have been taken where the proof was made, and states that take the others.
 
 use crate::expr::branch::{Branches, Side};
-use crate::expr::{Dual, Expr, Function, Id, Node, Symbol, Tape};
+use crate::expr::{Dual, Expr, Function, Id, Node, Rounded, Symbol, Tape};
 use crate::interpret::State;
 use crate::model::Lagrangian;
 use crate::model::sample::default_parameters;
 use crate::numeric::Random;
+use crate::numeric::elimination::ROUNDING;
 
-use super::witness::output_components;
+use super::witness::{exact, moving, output_components};
 
 /// At this many states each side is to be taken.
 const WANTED: usize = 2;
 
 /// At most this many sets of sides that are taken together are proved exactly.
 const MOST_TOGETHER: usize = 32;
+
+/// A comparison is decided where its operands differ by more than this part of them,
+const FAR: f64 = 1e-6;
+/// and by more than this many times what rounding does to them.
+const ORDERS: f64 = 1e3;
 
 /// From this many random states, of several sizes, a side is sought, with this many steps each.
 const STARTS: usize = 24;
@@ -68,29 +74,51 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
             let taken = self.branches.taken(&values);
             taken.iter().zip(&mut self.taken).for_each(|(is, count)| *count += usize::from(*is));
             let is_new = self.together.len() < MOST_TOGETHER && !self.together.contains(&taken);
-            if is_new && self.is_inside(&values) {
+            if is_new && self.is_inside(state, parameters) {
                 self.together.push(taken);
                 self.inside.push((state.clone(), parameters.to_vec()));
             }
         }
     }
 
-    /// States, with parameters, one for each set of sides that are taken together.
+    /// States, with parameters, one for each set of sides that are taken together; nothing where a side has been taken
+    /// at its edge alone.
     pub(super) fn inside(&self) -> &[(State, Vec<f64>)] {
-        &self.inside
+        let is_inside = |side: usize| self.together.iter().any(|taken| taken[side]);
+        let are_inside = (0..self.taken.len()).all(|side| self.taken[side] == 0 || is_inside(side));
+        if are_inside { &self.inside } else { &[] }
     }
 
-    /// Whether every comparison and every corner is so far away that no rounding reaches it.
-    fn is_inside(&self, values: &[Dual<Dual<f64>>]) -> bool {
-        const FAR: f64 = 1e-6;
-        let value = |at: Id| values[at.index()].value.value;
-        self.choices.tape.steps().iter().all(|step| match *step {
-            Node::Less(a, b) | Node::LessEqual(a, b) => {
-                let (a, b) = (value(a), value(b));
-                (a - b).abs() > FAR * a.abs().max(b.abs())
+    /// Whether every comparison and every corner is so far away that no rounding reaches it, in whatever order the same
+    /// is computed.
+    fn is_inside(&self, state: &State, parameters: &[f64]) -> bool {
+        self.distances(state, parameters).all(|Distance { away, size, error }| away > FAR * size + ORDERS * error)
+    }
+
+    /// Whether rounding decides which side of a choice is taken: then equations that were computed in another order may
+    /// be those of the other side.
+    pub(super) fn is_undecided(&self, state: &State, parameters: &[f64]) -> bool {
+        let is_reached = |Distance { away, error, .. }: Distance| away != 0.0 && away <= ROUNDING * error;
+        !self.taken.is_empty() && self.distances(state, parameters).any(is_reached)
+    }
+
+    /// How far the comparisons and corners are.
+    fn distances(&self, state: &State, parameters: &[f64]) -> impl Iterator<Item = Distance> {
+        let (state, parameters) = (exact(state), parameters.iter().copied().map(Rounded::exact).collect::<Vec<_>>());
+        let values = self.choices.tape.all(moving(&state, &parameters));
+        self.choices.tape.steps().iter().filter_map(move |step| {
+            let value = |at: Id| values[at.index()].value;
+            match *step {
+                Node::Less(a, b) | Node::LessEqual(a, b) if a != b => {
+                    let (a, b) = (value(a), value(b));
+                    let size = a.value.abs().max(b.value.abs());
+                    Some(Distance { away: (a.value - b.value).abs(), size, error: a.error + b.error })
+                }
+                Node::Call(Function::Abs | Function::Signum, a) => {
+                    Some(Distance { away: value(a).value.abs(), size: 0.0, error: value(a).error })
+                }
+                _ => None,
             }
-            Node::Call(Function::Abs | Function::Signum, a) => value(a).abs() > FAR * FAR,
-            _ => true,
         })
     }
 
@@ -293,6 +321,13 @@ impl<'c, 'l, 'g> Coverage<'c, 'l, 'g> {
             other => Dual::fixed(at(other)),
         })
     }
+}
+
+/// Of what is compared how far it is apart, how large it is, and how far rounding may have carried it.
+struct Distance {
+    away: f64,
+    size: f64,
+    error: f64,
 }
 
 /// What is compared: `±x`, `±|x|`, with a symbol or a constant for x.

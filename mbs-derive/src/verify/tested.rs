@@ -32,6 +32,11 @@ pub(crate) trait Tested:
     /// Whether it is nothing but what rounding leaves of zero.
     fn vanishes(self) -> bool;
 
+    /// Whether it is finite, where that can be asked.
+    fn is_number(self) -> bool {
+        true
+    }
+
     /// What constraints that hold to rounding alone leave open of velocities.
     fn left_open(velocities: &[Self]) -> Self;
 
@@ -83,6 +88,10 @@ impl Tested for Rounded {
 
     fn vanishes(self) -> bool {
         self.value.abs() < 1e-9
+    }
+
+    fn is_number(self) -> bool {
+        self.value.is_finite()
     }
 
     fn left_open(velocities: &[Self]) -> Self {

@@ -6,6 +6,9 @@
 //! at this many states each; `--shrink no` leaves texts as they were drawn; `--print yes` shows the text of the first
 //! seed and does no more; `--file PATH` takes the mechanism of a file, at the states of the first seed. What is wrong
 //! is printed with the text that shows it, and the exit code is 1.
+//!
+//! `--piecewise yes` draws mechanisms with branches and corners of every kind, and asks of each that it is proved: what
+//! is right is never refused.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -13,7 +16,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use mbs_tests::referee::{Construct, Drawn, Judged, draw, judge, shrink};
+use mbs_tests::referee::{
+    Construct, Drawn, Fault, Judged, draw, draw_piecewise, judge, proved, shrink, shrink_unproved,
+};
 
 struct Options {
     seed: u64,
@@ -23,6 +28,7 @@ struct Options {
     without: Vec<Construct>,
     shrink: bool,
     print: bool,
+    piecewise: bool,
     file: Option<PathBuf>,
 }
 
@@ -35,6 +41,7 @@ fn options() -> Result<Options, String> {
         without: Vec::new(),
         shrink: true,
         print: false,
+        piecewise: false,
         file: None,
     };
     let mut arguments = std::env::args().skip(1);
@@ -46,6 +53,7 @@ fn options() -> Result<Options, String> {
             "--count" => options.count = number()?,
             "--states" => options.states = number()? as usize,
             "--print" => options.print = value == "yes",
+            "--piecewise" => options.piecewise = value == "yes",
             "--shrink" => options.shrink = value != "no",
             "--file" => (options.file, options.count) = (Some(PathBuf::from(&value)), 1),
             "--construct" => options.construct = Some(construct(&value)?),
@@ -70,14 +78,14 @@ fn main() -> ExitCode {
         }
     };
     if options.print {
-        let drawn = draw(options.seed, options.construct, &options.without);
+        let drawn = mechanism(&options, options.seed);
         drawn.imports.iter().for_each(|(name, text)| println!("// {name}\n{text}"));
         print!("{}", drawn.text);
         return ExitCode::SUCCESS;
     }
     // Panics of the generator are reported with the text.
     std::panic::set_hook(Box::new(|_| {}));
-    run(&options)
+    if options.piecewise { run_piecewise(&options) } else { run(&options) }
 }
 
 /// The mechanism of a file, with what lies in its folder and the folders there.
@@ -101,6 +109,7 @@ fn read(path: &Path) -> std::io::Result<Drawn> {
 
 fn mechanism(options: &Options, seed: u64) -> Drawn {
     match &options.file {
+        None if options.piecewise => draw_piecewise(seed),
         None => draw(seed, options.construct, &options.without),
         Some(path) => read(path).unwrap_or_else(|error| {
             eprintln!("error: {}: {error}", path.display());
@@ -150,4 +159,47 @@ fn run(options: &Options) -> ExitCode {
         slowest.1
     );
     if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// How much of piecewise mechanisms is proved, and what is not.
+fn run_piecewise(options: &Options) -> ExitCode {
+    let (mut faults, mut few, start) = (BTreeMap::<String, Vec<u64>>::new(), 0, Instant::now());
+    let (mut exactly, mut in_doubles, mut slowest) = (0, BTreeMap::<String, usize>::new(), (Duration::ZERO, 0));
+    for seed in options.seed..options.seed + options.count {
+        let (drawn, begun) = (mechanism(options, seed), Instant::now());
+        match proved((&drawn.text, &drawn.imports)) {
+            Ok(None) => few += 1,
+            Ok(Some(proof)) => {
+                exactly += proof.evidence.identities;
+                for left in &proof.evidence.in_doubles {
+                    *in_doubles.entry(left.reason.clone()).or_default() += left.identities;
+                }
+            }
+            Err(fault) => refused(options, seed, &drawn, fault, &mut faults),
+        }
+        slowest = slowest.max((begun.elapsed(), seed));
+    }
+    for (kind, seeds) in &faults {
+        println!("{} of kind `{kind}`: seeds {:?}", seeds.len(), &seeds[..seeds.len().min(20)]);
+    }
+    println!("{exactly} identities in fields; in doubles alone, by reasons: {in_doubles:?}");
+    println!(
+        "{} mechanisms, {few} of them finite at too few states, {} faults; {:.1?}, slowest {:.1?} (seed {})",
+        options.count,
+        faults.values().map(Vec::len).sum::<usize>(),
+        start.elapsed(),
+        slowest.0,
+        slowest.1
+    );
+    if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Takes down a fault; the first of each kind is printed with a small text.
+fn refused(options: &Options, seed: u64, drawn: &Drawn, fault: Fault, faults: &mut BTreeMap<String, Vec<u64>>) {
+    let is_first = !faults.contains_key(&fault.kind());
+    faults.entry(fault.kind()).or_default().push(seed);
+    if is_first {
+        let (small, fault) = if options.shrink { shrink_unproved(drawn, &fault) } else { (drawn.clone(), fault) };
+        println!("== seed {seed}: {fault}\n{}", small.text);
+    }
 }

@@ -3,10 +3,12 @@
 //!
 //! - `scalar`: numbers, lengths and angles that depend on positions; `frame`: poses, places and bodies;
 //! - `statement`: energies, forces, outputs; `constraint`: constraints;
-//! - `part`: statements that are used many times; `sample`: tables; `array`: arrays and matrices of parameters.
+//! - `part`: statements that are used many times; `sample`: tables; `array`: arrays and matrices of parameters;
+//! - `corner`: branches, absolute values and conditions on which a careless proof would cry wolf.
 
 mod array;
 mod constraint;
+mod corner;
 mod frame;
 mod part;
 mod sample;
@@ -141,6 +143,50 @@ pub fn draw(seed: u64, wanted: Option<Construct>, without: &[Construct]) -> Draw
     draw.finished()
 }
 
+/// The piecewise mechanism of a seed: conditions, corners and sides of every kind, in energies, forces, constraints and
+/// outputs of what [`draw`] draws.
+pub fn draw_piecewise(seed: u64) -> Drawn {
+    let mut random = Random::new(seed ^ 0x636f_726e_6572);
+    let mut constructs: BTreeSet<Construct> = PIECEWISE.into_iter().filter(|_| random.one_in(4)).collect();
+    if constructs.contains(&Construct::Reactions) {
+        constructs.insert(Construct::Trees);
+    }
+    let left_out = [(8, &OPAQUE[..]), (3, &ROOTS), (3, &LARGE_AND_SMALL)]
+        .map(|(n, parts)| if random.one_in(n) { &[] } else { parts });
+    let mut draw = Draw::new(random, constructs);
+    draw.left_out = left_out.concat();
+    draw.mechanism();
+    draw.corners();
+    draw.finished()
+}
+
+/// Functions of which fields know no law: where one is, what differs between sides of choices is proved in doubles.
+const OPAQUE: [&str; 6] = ["atan", "asin", "acos", "ln(", "^(1/3)", "^sin"];
+
+/// Roots: where some depend on others, nothing is proved in fields.
+const ROOTS: [&str; 5] = ["sqrt", "hypot", "^1.5", "^2.5", "^(-1/2)"];
+
+/// Numbers beside which others are lost.
+const LARGE_AND_SMALL: [&str; 4] = ["1e12", "1e-200", "1e9", "1e16"];
+
+/// What piecewise mechanisms are made of besides: no tables, because fields know no law of them.
+const PIECEWISE: [Construct; 14] = [
+    Construct::Trees,
+    Construct::Energies,
+    Construct::Branches,
+    Construct::Functions,
+    Construct::Signals,
+    Construct::Constraints,
+    Construct::Quaternions,
+    Construct::Gravity,
+    Construct::PointForces,
+    Construct::Forces,
+    Construct::Reactions,
+    Construct::Outputs,
+    Construct::Units,
+    Construct::Scales,
+];
+
 /// A length or an angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Measure {
@@ -192,6 +238,8 @@ struct Draw {
     plain_functions: Vec<String>,
     /// Those that a table gives, with kinks or without.
     tabulated: Vec<String>,
+    /// Forms of numbers with one of these are left out.
+    left_out: Vec<&'static str>,
     names: usize,
     /// Words that are names of nothing yet.
     words: Vec<&'static str>,
@@ -222,6 +270,7 @@ impl Draw {
             turning: Vec::new(),
             plain_functions: Vec::new(),
             tabulated: Vec::new(),
+            left_out: Vec::new(),
             names: 0,
             words: WORDS.to_vec(),
         }

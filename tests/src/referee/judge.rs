@@ -9,11 +9,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use mbs_derive::Analysis;
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{self, Interpreter};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::source::{Sources, Unreadable};
+use mbs_derive::verify::{Failure, Proof};
+use mbs_derive::{Analysis, Error};
 
 use super::conserved::unchanged;
 use super::evaluate::State;
@@ -69,7 +70,11 @@ impl Fault {
         let plain =
             |text: &str| text.lines().next().unwrap_or_default().chars().filter(|c| !c.is_ascii_digit()).collect();
         match self {
-            Fault::Refused(report) => plain(report),
+            // What is said of a proof has the claim in its second line.
+            Fault::Refused(report) => {
+                let claim = report.lines().find(|line| line.trim_start().starts_with("claim:"));
+                plain(report) + claim.map(plain).as_deref().unwrap_or_default()
+            }
             Fault::Panic(report) | Fault::NotUnderstood(report) => plain(report),
             Fault::Wrong { function, .. } => function.clone(),
         }
@@ -96,11 +101,7 @@ pub type Text<'a> = (&'a str, &'a BTreeMap<String, String>);
 /// The first fault.
 pub fn judge((text, imports): Text<'_>, seed: u64, states: usize) -> Result<Judged, Fault> {
     let import = |path: &str| imports.get(path).cloned();
-    let read = |path: &str| {
-        let text = import(path).map(String::into_bytes);
-        text.ok_or_else(|| Unreadable::new("there is no such file", ""))
-    };
-    let sources = Sources::gather("random.mbs", text, read);
+    let sources = gathered(text, imports);
     let derivation = catch_unwind(AssertUnwindSafe(|| derivation(&sources)));
     let derivation = derivation.map_err(|payload| Fault::Panic(said(payload.as_ref())))?.map_err(Fault::Refused)?;
     let mechanism = Mechanism::read(text, &import).map_err(Fault::NotUnderstood)?;
@@ -111,6 +112,34 @@ pub fn judge((text, imports): Text<'_>, seed: u64, states: usize) -> Result<Judg
         court.state(&mut random, k)?;
     }
     Ok(court.judged)
+}
+
+/// Derives and proves a text that was drawn to be right, and does no more. `None` where its energies are finite at too
+/// few states.
+///
+/// # Errors
+/// That it is refused, or a panic.
+pub fn proved((text, imports): Text<'_>) -> Result<Option<Proof>, Fault> {
+    let sources = gathered(text, imports);
+    let attempt = || {
+        let graph = Graph::verbatim();
+        let refused = |error: &Error| Fault::Refused(error.render_in(&sources));
+        let analysis = Analysis::of(&sources, &graph).map_err(|error| refused(&error))?;
+        match Proof::of(analysis.lagrangian(), analysis.programs()) {
+            Ok(proof) => Ok(Some(proof)),
+            Err(Failure::TooFewStates { .. }) => Ok(None),
+            Err(failure) => Err(Fault::Refused(failure.to_string())),
+        }
+    };
+    catch_unwind(AssertUnwindSafe(attempt)).map_err(|payload| Fault::Panic(said(payload.as_ref())))?
+}
+
+fn gathered(text: &str, imports: &BTreeMap<String, String>) -> Sources {
+    let read = |path: &str| {
+        let text = imports.get(path).map(|text| text.clone().into_bytes());
+        text.ok_or_else(|| Unreadable::new("there is no such file", ""))
+    };
+    Sources::gather("random.mbs", text, read)
 }
 
 fn said(payload: &(dyn std::any::Any + Send)) -> String {

@@ -1,7 +1,7 @@
 //! A fault in as small a text as it still shows in.
 
 use super::draw::Drawn;
-use super::judge::{Fault, judge};
+use super::judge::{Fault, Text, judge, proved};
 use super::syntax::{self, Expression, Statement};
 
 /// At most this many texts are tried.
@@ -9,28 +9,37 @@ const TRIES: usize = 250;
 
 /// The smallest text that was found to have the same kind of fault, and its fault.
 pub fn shrink(drawn: &Drawn, fault: &Fault, seed: u64, states: usize) -> (Drawn, Fault) {
-    let mut shrinking = Shrinking { best: drawn.clone(), fault: fault.clone(), seed, states, tries: TRIES };
+    shrunk(drawn, fault, &|text| judge(text, seed, states).err())
+}
+
+/// As [`shrink`], of a text that is not proved.
+pub fn shrink_unproved(drawn: &Drawn, fault: &Fault) -> (Drawn, Fault) {
+    shrunk(drawn, fault, &|text| proved(text).err())
+}
+
+fn shrunk(drawn: &Drawn, fault: &Fault, found: &dyn Fn(Text<'_>) -> Option<Fault>) -> (Drawn, Fault) {
+    let mut shrinking = Shrinking { best: drawn.clone(), fault: fault.clone(), found, tries: TRIES };
     while shrinking.tries > 0 && (shrinking.lines() | shrinking.expressions()) {}
     (shrinking.best, shrinking.fault)
 }
 
-struct Shrinking {
+struct Shrinking<'f> {
     best: Drawn,
     fault: Fault,
-    seed: u64,
-    states: usize,
+    /// What is wrong with a text.
+    found: &'f dyn Fn(Text<'_>) -> Option<Fault>,
     tries: usize,
 }
 
-impl Shrinking {
+impl Shrinking<'_> {
     /// Takes a text for the best if its fault is of the same kind.
     fn accept(&mut self, text: String) -> bool {
         if self.tries == 0 || text.len() >= self.best.text.len() || !self.keeps_quaternions(&text) {
             return false;
         }
         self.tries -= 1;
-        match judge((&text, &self.best.imports), self.seed, self.states) {
-            Err(fault) if fault.kind() == self.fault.kind() => {
+        match (self.found)((&text, &self.best.imports)) {
+            Some(fault) if fault.kind() == self.fault.kind() => {
                 self.best.text = text;
                 self.fault = fault;
                 true

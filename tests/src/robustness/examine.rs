@@ -1,6 +1,6 @@
 //! The whole generator run on one text, and what must hold of the result.
 
-use std::fmt::Debug;
+use std::fmt::{Debug, Display};
 
 use mbs_derive::diagnostic::Diagnostics;
 use mbs_derive::emit::{self, Options};
@@ -39,11 +39,7 @@ pub fn examine(sources: &Sources) -> Result<Outcome, String> {
         Ok(declaration) => declaration,
         Err(errors) => return reported(&errors, sources).map(|()| Outcome::Unread),
     };
-    let read_back = |sources: &Sources| match parse::declaration_of(sources) {
-        Ok(again) => same("the declaration", &without_places(&declaration), &without_places(&again)),
-        Err(errors) => Err(format!("what was printed is refused:\n{}", errors.render_in(sources))),
-    };
-    read_back(&printed(&declaration.to_string(), sources))?;
+    read_back(&declaration, sources)?;
     let graph = Graph::verbatim();
     let analysis = match Analysis::of(sources, &graph) {
         Ok(analysis) => analysis,
@@ -59,6 +55,18 @@ pub fn examine(sources: &Sources) -> Result<Outcome, String> {
         return Err("the page of the textbook is empty".to_string());
     }
     generated(&analysis, sources)
+}
+
+/// What a declaration is printed as is read as the same declaration.
+///
+/// # Errors
+/// What differs.
+pub fn read_back(declaration: &(impl Debug + Display), sources: &Sources) -> Result<(), String> {
+    let printed = printed(&declaration.to_string(), sources);
+    match parse::declaration_of(&printed) {
+        Ok(again) => same("the declaration", &without_places(declaration), &without_places(&again)),
+        Err(errors) => Err(format!("what was printed is refused:\n{}", errors.render_in(&printed))),
+    }
 }
 
 /// The same code comes out a second time; a proof never fails by the generator's fault.

@@ -86,6 +86,11 @@ fn word<'w>(random: &mut Random, words: &'w str) -> &'w str {
     all[below(random, all.len())]
 }
 
+/// The elements, attributes and values of the three formats.
+pub fn words() -> impl Iterator<Item = String> {
+    WORDS.split('|').map(str::trim).map(String::from)
+}
+
 /// One change.
 fn edited(random: &mut Random, mut text: String) -> String {
     let kind = below(random, 16);

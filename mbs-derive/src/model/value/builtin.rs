@@ -275,7 +275,10 @@ fn abs<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Val
 
 fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::plain(x.expr.call(Function::Signum))))
+    let zero = resolver.graph.integer(0);
+    // Of what is zero for all values rounding must not choose the sign.
+    let sign = if resolver.known.facts.are_equal(x.expr, zero) { zero } else { x.expr.call(Function::Signum) };
+    Ok(Value::Scalar(Scalar::plain(sign)))
 }
 
 fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {

@@ -69,10 +69,15 @@ impl Draw {
             let functions = self.plain_functions.clone();
             return format!("{}({})", self.pick(&functions), self.plain(depth - 1));
         }
-        let form = match self.below(10) {
-            _ if kinked => self.pick(&KINKED),
-            0..5 => self.pick(&SMOOTH),
-            _ => self.pick(&PAIRS),
+        let form = loop {
+            let form = match self.below(10) {
+                _ if kinked => self.pick(&KINKED),
+                0..5 => self.pick(&SMOOTH),
+                _ => self.pick(&PAIRS),
+            };
+            if !self.left_out.iter().any(|part| form.contains(part)) {
+                break form;
+            }
         };
         let (one, other) = (self.plain(depth - 1), self.plain(depth - 1));
         format!("({})", form.replace('#', &one).replace('@', &other))

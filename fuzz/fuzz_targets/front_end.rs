@@ -1,0 +1,7 @@
+//! Names and dimensions, all messages.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use mbs_fuzz::{hold, robustness::target};
+
+fuzz_target!(|bytes: &[u8]| hold(target::front_end, bytes));

@@ -1,0 +1,7 @@
+//! Cut into tokens, read, printed, formatted.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use mbs_fuzz::{hold, robustness::target};
+
+fuzz_target!(|bytes: &[u8]| hold(target::parser, bytes));

@@ -1,0 +1,6 @@
+//! The program's reader of state files, compiled once more: a program is no library.
+
+#[path = "../../../mbs-cli/src/state/reading.rs"]
+pub(super) mod reading;
+#[path = "../../../mbs-cli/src/words.rs"]
+mod words;
