@@ -17,6 +17,7 @@
 
 mod bordered;
 mod close;
+mod constants;
 mod exact;
 mod scale;
 mod sines;

@@ -126,12 +126,12 @@ impl DoubleDouble {
         near.add(rest.sub(rest.mul(rest).div(Self::of(2.0))))
     }
 
-    /// Sine and cosine; NaN where a double has no place after the point.
+    /// Sine and cosine, in doubles where an angle of 100 bits leaves no more.
     fn sin_cos(self) -> [Self; 2] {
         const RIGHT_ANGLE: [f64; 3] =
             [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
         if self.high.abs() > 1e15 {
-            return [Self::of(f64::NAN); 2];
+            return [libm::sin(self.high), libm::cos(self.high)].map(Self::of);
         }
         let k = libm::round(self.high / RIGHT_ANGLE[0]);
         let x = self.without(k, RIGHT_ANGLE);
