@@ -7,7 +7,7 @@ use mbs_derive::optimise::{Instruction, Program};
 use mbs_derive::{declared, derived};
 use mbs_tests::random::Random;
 
-use super::exact::{Exact, forgetting};
+use super::measure::exact::{Exact, forgetting};
 
 /// In units of the last place: what rounding once cannot avoid, and a little.
 const ALLOWED: f64 = 0.51;
