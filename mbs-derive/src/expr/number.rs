@@ -504,9 +504,10 @@ mod tests {
     }
 
     #[test]
-    fn overflow_falls_back_to_a_double() {
+    fn overflow_falls_back_to_100_bits() {
         let big = Number::parse_decimal("1e30").unwrap();
-        assert_eq!((big * big).to_f64(), 1e30 * 1e30);
+        assert_eq!((big * big).to_f64(), 1e60);
+        assert_ne!(1e30 * 1e30, 1e60);
         assert_eq!((big + Number::parse_decimal("1e-30").unwrap()).to_f64(), 1e30);
     }
 
