@@ -78,8 +78,8 @@ impl Worst {
 
 /// The errors of each function of a mechanism, at some points and at the nearest ones to them that constraints allow.
 ///
-/// What its formulas lose in doubles as they are written, at so many states next to each point, is explained, too: the
-/// author's.
+/// What its formulas lose in doubles as they are written is the author's, and explained, too: at each point and its
+/// neighbours, `as_written` in number.
 pub(crate) fn worst(
     lagrangian: &Lagrangian<'_>,
     emitted: &Derivation,

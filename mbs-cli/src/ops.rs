@@ -30,8 +30,8 @@ pub(crate) struct Arguments {
     /// Also tell which route each function took, what it would cost by the others, and what regrouping of masses saved.
     #[arg(long)]
     explain: bool,
-    /// Also measure the error of each function in units of the last place (ulp), against numbers of 200 bits, beside the
-    /// condition of what it computes. Example: `mbs ops pendulum.mbs --accuracy`
+    /// Also measure the error of each function in units of the last place (ulp), against numbers of 200 bits, beside
+    /// the condition of what it computes. Example: mbs ops pendulum.mbs --accuracy
     #[cfg(feature = "accuracy")]
     #[arg(long)]
     accuracy: bool,

@@ -4,7 +4,7 @@
 //! and operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
 //! recurses on the depth of an expression.
 //!
-//! - `number`: exact constants; `double_double`: their digits where they are not; `definition`: what they are folded from;
+//! - `number`: exact constants; `double_double`: numbers of 100 bits; `definition`: what constants are folded from;
 //! - `graph`: the arena and [`Node`]; `arithmetic`, `power`, `condition`: the constructors with their local rules;
 //! - `function`: sin, cos, … with derivative and value side by side;
 //! - `sin_cos`: sine and cosine as generated code has them;
@@ -67,8 +67,6 @@ pub(crate) mod vector;
 pub(crate) use adjoint::{gradient, gradient_of_combination};
 pub(crate) use condition::Condition;
 pub(crate) use constrained::{AGREEMENT, Scales, largest, least_change, remainder, remainder_sizes};
-#[doc(hidden)]
-pub use definition::refolded;
 pub(crate) use degree::Degree;
 pub use dual::Dual;
 pub(crate) use evaluate::{Solutions, evaluate};

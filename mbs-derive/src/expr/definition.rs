@@ -39,35 +39,36 @@ pub(super) fn define(number: Number, definition: impl FnOnce() -> Definition) ->
     number
 }
 
-/// What `compute` returns, and each constant that it folds and no fraction holds beside the same operations over other
-/// numbers.
-///
-/// # Panics
-/// Where a constant was folded before and is no fraction.
-#[doc(hidden)]
-pub fn refolded<V: Value, T>(compute: impl FnOnce() -> T) -> (T, Vec<(Number, V)>) {
-    DEFINITIONS.set(Some(Vec::new()));
-    let result = compute();
-    let definitions = DEFINITIONS.take().unwrap_or_default();
-    let mut known: HashMap<Number, V> = HashMap::new();
-    let mut values = Vec::new();
-    for (number, definition) in definitions {
-        let of = |operand: Number| match operand {
-            Number::Exact { .. } => V::number(operand),
-            Number::Real { .. } => *known.get(&operand).expect("defined before it is used"),
-        };
-        let value = match definition {
-            Definition::Double(value) => V::constant(value),
-            Definition::Sum(a, b) => of(a).add(of(b)),
-            Definition::Product(a, b) => of(a).mul(of(b)),
-            Definition::Quotient(a, b) => of(a).div(of(b)),
-            Definition::Power(a, halves) => of(a).power(halves),
-            Definition::Call(function, a) => of(a).call(function),
-            Definition::Call2(function, a, b) => of(a).call2(function, of(b)),
-            Definition::Spline(spline, order, a) => of(a).spline(&spline, order),
-        };
-        known.insert(number, value);
-        values.push((number, value));
+impl Number {
+    /// What `compute` returns, and each constant that it folds and no fraction holds beside the same operations over other
+    /// numbers.
+    ///
+    /// # Panics
+    /// Where a constant was folded before and is no fraction.
+    pub fn refolded<V: Value, T>(compute: impl FnOnce() -> T) -> (T, Vec<(Number, V)>) {
+        DEFINITIONS.set(Some(Vec::new()));
+        let result = compute();
+        let definitions = DEFINITIONS.take().unwrap_or_default();
+        let mut known: HashMap<Number, V> = HashMap::new();
+        let mut values = Vec::new();
+        for (number, definition) in definitions {
+            let of = |operand: Number| match operand {
+                Number::Exact { .. } => V::number(operand),
+                Number::Real { .. } => *known.get(&operand).expect("defined before it is used"),
+            };
+            let value = match definition {
+                Definition::Double(value) => V::constant(value),
+                Definition::Sum(a, b) => of(a).add(of(b)),
+                Definition::Product(a, b) => of(a).mul(of(b)),
+                Definition::Quotient(a, b) => of(a).div(of(b)),
+                Definition::Power(a, halves) => of(a).power(halves),
+                Definition::Call(function, a) => of(a).call(function),
+                Definition::Call2(function, a, b) => of(a).call2(function, of(b)),
+                Definition::Spline(spline, order, a) => of(a).spline(&spline, order),
+            };
+            known.insert(number, value);
+            values.push((number, value));
+        }
+        (result, values)
     }
-    (result, values)
 }

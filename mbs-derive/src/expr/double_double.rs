@@ -2,10 +2,11 @@
 //! rounded once. The same bits on every machine.
 //!
 //! Sources: Dekker, *A floating-point technique for extending the available precision*, Numerische Mathematik 18, 1971;
-//! Knuth, *The Art of Computer Programming*, vol. 2, section 4.2.2; the operations and their bounds are those of Joldes,
-//! Muller, Popescu, *Tight and rigorous error bounds for basic building blocks of double-word arithmetic*, ACM
-//! Transactions on Mathematical Software 44:2, 2017, by the number of the algorithm; the root is that of Lefèvre, Louvet,
-//! Muller, Picot, Rideau, *Accurate calculation of Euclidean norms using double-word arithmetic*, ibid. 49:1, 2023.
+//! Knuth, *The Art of Computer Programming*, vol. 2, section 4.2.2; the operations and their bounds are those of
+//! Joldes, Muller, Popescu, *Tight and rigorous error bounds for basic building blocks of double-word arithmetic*, ACM
+//! Transactions on Mathematical Software 44:2, 2017, by the number of the algorithm; the root is that of Lefèvre,
+//! Louvet, Muller, Picot, Rideau, *Accurate calculation of Euclidean norms using double-word arithmetic*, ibid. 49:1,
+//! 2023.
 
 use super::evaluate::Value;
 use super::function::{Binary, Function, signum};
@@ -23,9 +24,17 @@ impl DoubleDouble {
     const ONE: Self = Self::of(1.0);
     /// π
     pub(super) const PI: Self = DoubleDouble { high: std::f64::consts::PI, low: 1.224_646_799_147_353_2e-16 };
-    /// A bound on the relative error of every operation and function here, below which nothing is known of a result. The
-    /// largest is that of `exp(b ln a)`, a thousand times 2⁻¹⁰³.
+    /// A bound on the relative error of every operation and function here. The largest is that of `exp(b ln a)`, a
+    /// thousand times 2⁻¹⁰³.
     pub(super) const UNIT: f64 = 1.0 / (1u128 << 92) as f64;
+    /// Below this, products of low parts are less than any double: numbers are as good as doubles.
+    const SMALL: f64 = 1e-280;
+
+    /// A bound on the error of an operation or function with this result.
+    pub(super) fn rounding(self) -> f64 {
+        let size = self.high.abs();
+        if size < Self::SMALL { size * f64::EPSILON + 64.0 * f64::from_bits(1) } else { size * Self::UNIT }
+    }
 
     pub(super) const fn of(double: f64) -> Self {
         DoubleDouble { high: double, low: 0.0 }
@@ -161,8 +170,8 @@ impl DoubleDouble {
     fn atan2(self, x: Self) -> Self {
         let y = self;
         let near = Self::of(libm::atan2(y.high, x.high));
-        if y.high == 0.0 && x.high >= 0.0 {
-            return Self::ZERO;
+        if near.high.abs() < Self::SMALL {
+            return near;
         }
         let [sin, cos] = near.sin_cos();
         let (across, along) = (y.mul(cos).sub(x.mul(sin)), x.mul(cos).add(y.mul(sin)));

@@ -16,10 +16,10 @@ use super::spline::Spline;
 ///
 /// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so (a
 /// square root of two, an overflow) is `Real`, of about 100 bits, and 0 as soon as it may be nothing but rounding: what
-/// cancels in exact numbers leaves no trace in rounded ones. What is emitted is its nearest double. A `Real` carries its
-/// images in prime fields beside its digits, formed by the same operations: by them it is told from others of the same
-/// double, and proved with. Equality and hashing are by bits of the doubles and by the images, so that numbers can be
-/// hash-consed however they were folded.
+/// cancels in exact numbers leaves no trace in rounded ones. What is emitted is its nearest double. A `Real` carries
+/// its images in prime fields beside its digits, formed by the same operations: by them it is told from others of the
+/// same double, and proved with. Equality and hashing are by bits of the doubles and by the images, so that numbers can
+/// be hash-consed however they were folded.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {
@@ -233,12 +233,10 @@ impl Number {
     /// The result of an operation on operands that bring in this error, with its images; held exactly where it is a
     /// small integer (0 and 1 above all), and 0 where it may be nothing but error, unless the images tell otherwise.
     fn computed(value: DoubleDouble, inherited: f64, images: Images) -> Number {
-        /// What is lost of products that are less than any double.
-        const LEAST: f64 = 64.0 * f64::MIN_POSITIVE * f64::EPSILON;
         let DoubleDouble { high, low } = value;
         // Where a slope is vertical nothing is known of the error.
         let inherited = if inherited.is_finite() { inherited } else { 0.0 };
-        let error = inherited + high.abs() * DoubleDouble::UNIT + LEAST;
+        let error = inherited + value.rounding();
         let may_be = |integer: i64| {
             let number = Number::integer(integer);
             let images_of_integer = in_every_field!(number => number);
@@ -282,7 +280,7 @@ impl Number {
         Rounded { value: self.to_f64(), error: self.uncertainty() * (f64::EPSILON / DoubleDouble::UNIT) }
     }
 
-    /// What error a function of it has: to first order errors of numbers of 100 bits are those of doubles, only smaller.
+    /// What error a function of it has: to first order errors of numbers of 100 bits are those of doubles, but smaller.
     fn inherited(self, function: impl FnOnce(Rounded) -> Rounded) -> f64 {
         function(self.magnified()).error * (DoubleDouble::UNIT / f64::EPSILON)
     }

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use mbs_derive::expr::{Binary, Expr, Function, Graph, Number, Value, refolded};
+use mbs_derive::expr::{Binary, Expr, Function, Graph, Number, Value};
 use mbs_derive::optimise::{Instruction, Program};
 use mbs_derive::{declared, derived};
 use mbs_tests::random::Random;
@@ -24,7 +24,7 @@ fn emitted_constants_are_rounded_once() {
     let (mut fractions, mut folded, mut worst) = (0, 0, 0.0_f64);
     for (name, source) in mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES) {
         forgetting(|| {
-            let (derivation, values) = refolded::<Exact, _>(|| {
+            let (derivation, values) = Number::refolded::<Exact, _>(|| {
                 let graph = Graph::verbatim();
                 let (lagrangian, _) =
                     declared(source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("", source)));
@@ -103,7 +103,7 @@ fn random_constants_are_rounded_once() {
     for seed in 0..10_000 {
         forgetting(|| {
             let graph = Graph::new();
-            let (_, values) = refolded::<Exact, _>(|| random_constant(&mut random, &graph));
+            let (_, values) = Number::refolded::<Exact, _>(|| random_constant(&mut random, &graph));
             for (number, exact) in values.into_iter().filter(|(number, _)| number.to_f64().is_finite()) {
                 let (value, error) = (number.to_f64(), Exact::constant(number.to_f64()).distance(exact));
                 let unit = value.abs().next_up() - value.abs();
