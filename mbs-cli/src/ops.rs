@@ -1,9 +1,12 @@
 //! `mbs ops`: what one call of each function costs.
 
+#[cfg(feature = "accuracy")]
+mod accuracy;
 pub(crate) mod explanation;
 
 use std::path::PathBuf;
 
+use mbs_derive::Analysis;
 use mbs_derive::optimise::{Derivation, Operations};
 use serde_json::{Map, Value, json};
 
@@ -27,26 +30,51 @@ pub(crate) struct Arguments {
     /// Also tell which route each function took, what it would cost by the others, and what regrouping of masses saved.
     #[arg(long)]
     explain: bool,
+    /// Also measure the error of each function in units of the last place (ulp), against numbers of 200 bits, beside
+    /// the condition of what it computes. Example: mbs ops pendulum.mbs --accuracy
+    #[cfg(feature = "accuracy")]
+    #[arg(long)]
+    accuracy: bool,
+}
+
+/// What is asked for besides, by the word that it has in JSON.
+struct Section {
+    word: &'static str,
+    object: Value,
+    table: String,
+}
+
+impl Arguments {
+    fn sections(&self, analysis: &Analysis<'_>) -> Vec<Section> {
+        let mut sections = Vec::new();
+        if self.explain {
+            let found = Explanation::of(analysis);
+            sections.push(Section { word: "explanation", object: found.object(), table: found.table() });
+        }
+        #[cfg(feature = "accuracy")]
+        if self.accuracy {
+            let found = accuracy::Accuracy::of(analysis);
+            sections.push(Section { word: "accuracy", object: found.object(), table: found.table() });
+        }
+        sections
+    }
 }
 
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let sources = mechanism::open(&arguments.file, &mut Files::default())?;
-    let derived = mechanism::proved_and(&sources, |analysis| arguments.explain.then(|| Explanation::of(analysis)))?;
-    output::print(&match (output::is_json(), &derived.also) {
-        (true, _) => output::json(&object(&derived)),
-        (false, None) => table(&derived),
-        (false, Some(explanation)) => format!("{}\n{}", table(&derived), explanation.table()),
-    })
+    let derived = mechanism::proved_and(&sources, |analysis| arguments.sections(analysis))?;
+    let tables = || derived.also.iter().fold(table(&derived), |text, section| format!("{text}\n{}", section.table));
+    output::print(&if output::is_json() { output::json(&object(&derived)) } else { tables() })
 }
 
-fn object(derived: &Derived<Option<Explanation>>) -> Value {
+fn object(derived: &Derived<Vec<Section>>) -> Value {
     let (derivation, derive_seconds) = (&derived.mechanism.derivation, derived.derive_seconds);
     let functions: Map<String, Value> =
         derivation.functions.iter().map(|f| (f.name.clone(), counts(f.operations))).collect();
     let mut object = json!({ "mechanism": derivation.name, "derive_seconds": derive_seconds, "functions": functions });
-    if let Some(explanation) = &derived.also {
-        object["explanation"] = explanation.object();
+    for section in &derived.also {
+        object[section.word] = section.object.clone();
     }
     object
 }

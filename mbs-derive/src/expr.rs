@@ -4,7 +4,7 @@
 //! and operands come before what is made of them, so that a pass over the graph is a loop over node numbers. Nothing
 //! recurses on the depth of an expression.
 //!
-//! - `number`: exact constants;
+//! - `number`: exact constants; `double_double`: numbers of 100 bits; `definition`: what constants are folded from;
 //! - `graph`: the arena and [`Node`]; `arithmetic`, `power`, `condition`: the constructors with their local rules;
 //! - `function`: sin, cos, … with derivative and value side by side;
 //! - `sin_cos`: sine and cosine as generated code has them;
@@ -32,8 +32,10 @@ mod arithmetic;
 pub(crate) mod branch;
 mod condition;
 mod constrained;
+mod definition;
 mod degree;
 pub(crate) mod display;
+mod double_double;
 pub(crate) mod dual;
 mod element;
 pub(crate) mod evaluate;

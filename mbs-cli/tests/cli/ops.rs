@@ -56,3 +56,22 @@ fn explanations_tell_what_is_spent_on_digits() {
     assert!(table.contains("spent on digits") && table.contains("wrong where r is near rest"), "{table}");
     assert!(!workshop.good(&["ops", "pendulum.mbs", "--explain"]).contains("spent on digits"));
 }
+
+/// A pendulum's functions are right to a few units in the last place, but for the digits that a far angle has lost.
+#[cfg(feature = "accuracy")]
+#[test]
+fn accuracy_is_measured_in_units_of_the_last_place() {
+    let workshop = Workshop::new();
+    let json: Value = serde_json::from_str(&workshop.good(&["ops", "pendulum.mbs", "--accuracy", "--json"])).unwrap();
+    let functions = json["accuracy"].as_object().unwrap();
+    assert_eq!(functions.len(), json["functions"].as_object().unwrap().len());
+    for (name, function) in functions {
+        assert_eq!(keys(function), ["ulp", "condition", "ratio", "at", "numbers", "states"], "{name}");
+        let number = |key: &str| function[key].as_f64().unwrap();
+        assert!(number("ratio") <= 8.0 && number("ulp") <= 8.0 * number("condition").max(1.0), "{name}: {function}");
+        assert!(function["states"].as_u64().unwrap() >= 3, "{name}");
+    }
+    assert!(functions.values().any(|function| function["ulp"].as_f64().unwrap() > 0.0));
+    let table = workshop.good(&["ops", "pendulum.mbs", "--accuracy"]);
+    assert!(table.contains("error [ulp]") && table.contains("forward_dynamics "), "{table}");
+}

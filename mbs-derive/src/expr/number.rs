@@ -1,8 +1,10 @@
-//! Exact constants: rationals, and rationals times a power of π; `f64` only where exactness ends.
+//! Exact constants: rationals, and rationals times a power of π; numbers of 100 bits only where exactness ends.
 
 use std::fmt;
 use std::ops::{Add, Mul, Neg};
 
+use super::definition::{Definition, define};
+use super::double_double::DoubleDouble;
 use super::element::Element;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
@@ -13,10 +15,11 @@ use super::spline::Spline;
 /// A constant of the graph.
 ///
 /// `Exact` is `numerator / denominator · π^pi`, in lowest terms with a positive denominator. What cannot be held so (a
-/// square root of two, an overflow) is `Real`, and 0 as soon as it may be nothing but rounding: what cancels in exact
-/// numbers leaves no trace in rounded ones. A `Real` carries its images in prime fields beside its double, formed by
-/// the same operations: by them it is told from others of the same double, and proved with. Equality and hashing are by
-/// bits of the values and by the images, so that numbers can be hash-consed.
+/// square root of two, an overflow) is `Real`, of about 100 bits, and 0 as soon as it may be nothing but rounding: what
+/// cancels in exact numbers leaves no trace in rounded ones. What is emitted is its nearest double. A `Real` carries
+/// its images in prime fields beside its digits, formed by the same operations: by them it is told from others of the
+/// same double, and proved with. Equality and hashing are by bits of the doubles and by the images, so that numbers can
+/// be hash-consed however they were folded.
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Number {
@@ -29,12 +32,15 @@ pub enum Number {
         /// Power of π.
         pi: i8,
     },
-    /// A double.
+    /// `value + rest`
     Real {
-        /// What the double holds.
+        /// The nearest double; not zero.
         value: f64,
-        /// How far, to first order, rounding may have carried it from the constant that is meant.
-        error: f64,
+        /// What the constant is more than that.
+        rest: f64,
+        /// How far, to first order, rounding may have carried their sum from the constant that is meant, in parts of
+        /// it.
+        error: f32,
         /// The constant that is meant in prime fields; the greatest number where it has no value there.
         images: Images,
     },
@@ -111,12 +117,18 @@ impl Number {
     /// The nearest double.
     pub fn to_f64(self) -> f64 {
         match self {
-            Number::Real { value, .. } => value,
+            Number::Exact { numerator, denominator, pi: 0 } => divide_correctly_rounded(numerator, denominator),
+            _ => self.to_double_double().high,
+        }
+    }
+
+    /// The number to about 100 bits.
+    pub(super) fn to_double_double(self) -> DoubleDouble {
+        match self {
+            Number::Real { value, rest, .. } => DoubleDouble { high: value, low: rest },
             Number::Exact { numerator, denominator, pi } => {
-                let ratio = divide_correctly_rounded(numerator, denominator);
-                (0..pi.unsigned_abs()).fold(ratio, |value, _| {
-                    if pi > 0 { value * std::f64::consts::PI } else { value / std::f64::consts::PI }
-                })
+                let ratio = DoubleDouble::of_integer(numerator).div(DoubleDouble::of_integer(denominator));
+                ratio.mul(DoubleDouble::PI.powi(pi.into()))
             }
         }
     }
@@ -167,11 +179,12 @@ impl Number {
         };
         let base = self;
         let rounded = || {
-            let power = integer_power(self.to_f64(), exponent);
+            let power = self.to_double_double().powi(exponent);
             // n relative errors, and one rounding a product.
-            let relative = self.error() / self.to_f64().abs() + f64::EPSILON;
-            let error = f64::from(exponent.unsigned_abs()) * relative * power.abs();
-            Self::computed(power, error, in_every_field!(base => base.power(halves)))
+            let relative = self.uncertainty() / self.to_f64().abs() + DoubleDouble::UNIT;
+            let error = f64::from(exponent.unsigned_abs()) * relative * power.high.abs();
+            let value = Self::computed(power, error, in_every_field!(base => base.power(halves)));
+            define(value, || Definition::Power(self, halves))
         };
         let value = exactly().unwrap_or_else(rounded);
         value.to_f64().is_finite().then_some(value)
@@ -189,8 +202,11 @@ impl Number {
         };
         let square = self;
         let rounded = || {
-            let root = libm::sqrt(self.to_f64());
-            Number::computed(root, self.error() / (2.0 * root), in_every_field!(square => square.power(1)))
+            let root = self.to_double_double().power(1);
+            let error = self.uncertainty() / (2.0 * root.high);
+            define(Number::computed(root, error, in_every_field!(square => square.power(1))), || {
+                Definition::Power(self, 1)
+            })
         };
         Some(exactly().unwrap_or_else(rounded))
     }
@@ -198,52 +214,75 @@ impl Number {
     /// A double as it is.
     pub(crate) fn of_double(value: f64) -> Number {
         let (first, second, third) = (Image::<0>::dyadic(value), Image::<1>::dyadic(value), Image::<2>::dyadic(value));
-        Self::computed(value, 0.0, [first.value(), second.value(), third.value()])
+        let images = [first.value(), second.value(), third.value()];
+        define(Self::computed(DoubleDouble::of(value), 0.0, images), || Definition::Double(value))
     }
 
-    /// The result of an operation that is rounded once, of operands that bring in this error, and of which no more is
-    /// known than the double.
+    /// A double that is rounded once, of operands that bring in this error, and of which no more is known.
     pub fn rounded(value: f64, inherited: f64) -> Number {
-        Self::computed(value, inherited, NO_IMAGES)
+        let error = inherited + value.abs() * f64::EPSILON;
+        define(Self::computed(DoubleDouble::of(value), error, NO_IMAGES), || Definition::Double(value))
     }
 
-    /// The result of an operation that is rounded once, of operands that bring in this error, with its images; held
-    /// exactly where it is a small integer (0 and 1 above all), and 0 where it may be nothing but error, unless the
-    /// images tell otherwise.
-    pub(super) fn computed(value: f64, inherited: f64, images: Images) -> Number {
+    /// The number without its images, where the laws of a field do not hold of functions that it is made with.
+    pub(crate) fn without_images(self) -> Number {
+        let number = Self::computed(self.to_double_double(), self.uncertainty(), NO_IMAGES);
+        define(number, || Definition::Product(self, Number::ONE))
+    }
+
+    /// The result of an operation on operands that bring in this error, with its images; held exactly where it is a
+    /// small integer (0 and 1 above all), and 0 where it may be nothing but error, unless the images tell otherwise.
+    fn computed(value: DoubleDouble, inherited: f64, images: Images) -> Number {
+        let DoubleDouble { high, low } = value;
         // Where a slope is vertical nothing is known of the error.
         let inherited = if inherited.is_finite() { inherited } else { 0.0 };
+        let error = inherited + value.rounding();
         let may_be = |integer: i64| {
             let number = Number::integer(integer);
             let images_of_integer = in_every_field!(number => number);
             images.iter().zip(images_of_integer).any(|(&image, of_integer)| image == UNDEFINED || image == of_integer)
         };
-        if value.abs() <= inherited && (value == 0.0 || may_be(0)) {
+        if high.abs() <= inherited && (high == 0.0 || may_be(0)) {
             Number::ZERO
-        } else if value.fract() == 0.0 && value.abs() < 1e9 && may_be(value as i64) {
-            Number::integer(value as i64)
+        } else if high.fract() == 0.0 && high.abs() < 1e9 && low.abs() <= error && may_be(high as i64) {
+            Number::integer(high as i64)
         } else {
-            Number::Real { value, error: inherited + value.abs() * f64::EPSILON, images }
+            Number::Real { value: high, rest: low, error: (error / high.abs()) as f32, images }
         }
     }
 
     /// `f(self)`, where it is not held exactly.
     pub(super) fn call(self, function: Function) -> Number {
-        let (x, error) = (self, Rounded::from(self).call(function).error);
-        Number::computed(function.folded(self.to_f64()), error, in_every_field!(x => x.call(function)))
+        let (x, value) = (self, self.to_double_double().call(function));
+        let error = self.inherited(|x| x.call(function));
+        let number = Number::computed(value, error, in_every_field!(x => x.call(function)));
+        define(number, || Definition::Call(function, self))
     }
 
     /// `f(self, other)`
-    pub(super) fn call2(self, function: Binary, other: Number) -> Number {
-        let (x, error) = (self, Rounded::from(self).call2(function, Rounded::from(other)).error);
-        let images = in_every_field!(x, other => x.call2(function, other));
-        Number::computed(function.folded(self.to_f64(), other.to_f64()), error, images)
+    pub(crate) fn call2(self, function: Binary, other: Number) -> Number {
+        let (x, value) = (self, self.to_double_double().call2(function, other.to_double_double()));
+        let error = self.inherited(|x| x.call2(function, other.magnified()));
+        let number = Number::computed(value, error, in_every_field!(x, other => x.call2(function, other)));
+        define(number, || Definition::Call2(function, self, other))
     }
 
     /// A derivative of a spline there.
     pub(crate) fn spline(self, spline: &Spline, order: usize) -> Number {
-        let (x, Rounded { value, error }) = (self, Rounded::from(self).spline(spline, order));
-        Number::computed(value, error, in_every_field!(x => x.spline(spline, order)))
+        let (x, value) = (self, spline.derivative(self.to_double_double(), order));
+        let error = self.inherited(|x| x.spline(spline, order));
+        let number = Number::computed(value, error, in_every_field!(x => x.spline(spline, order)));
+        define(number, || Definition::Spline(spline.clone(), order, self))
+    }
+
+    /// With its error as many times as large as those of doubles are.
+    fn magnified(self) -> Rounded {
+        Rounded { value: self.to_f64(), error: self.uncertainty() * (f64::EPSILON / DoubleDouble::UNIT) }
+    }
+
+    /// What error a function of it has: to first order errors of numbers of 100 bits are those of doubles, but smaller.
+    fn inherited(self, function: impl FnOnce(Rounded) -> Rounded) -> f64 {
+        function(self.magnified()).error * (DoubleDouble::UNIT / f64::EPSILON)
     }
 
     /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over;
@@ -255,9 +294,10 @@ impl Number {
         };
         let dividend = self;
         let rounded = || {
-            let quotient = self.to_f64() / other.to_f64();
+            let quotient = self.to_double_double().div(other.to_double_double());
             let images = || in_every_field!(dividend, other => dividend.div(other));
-            quotient.is_finite().then(|| Number::computed(quotient, 0.0, images()))
+            let number = quotient.high.is_finite().then(|| Number::computed(quotient, 0.0, images()));
+            number.map(|number| define(number, || Definition::Quotient(self, other)))
         };
         if other.is_zero() { None } else { exactly.or_else(rounded) }
     }
@@ -265,8 +305,16 @@ impl Number {
     /// How far, to first order, the constant that is meant may be from [`to_f64`](Self::to_f64).
     pub fn error(self) -> f64 {
         match self {
-            Number::Real { error, .. } => error,
+            Number::Real { rest, .. } => rest.abs() + self.uncertainty(),
             Number::Exact { .. } => self.to_f64().abs() * f64::EPSILON,
+        }
+    }
+
+    /// How far, to first order, it may be from its 100 bits.
+    fn uncertainty(self) -> f64 {
+        match self {
+            Number::Real { value, error, .. } => value.abs() * f64::from(error),
+            Number::Exact { .. } => self.to_f64().abs() * DoubleDouble::UNIT,
         }
     }
 
@@ -298,8 +346,11 @@ impl Add for Number {
             _ => None,
         };
         exactly().unwrap_or_else(|| {
-            let (a, sum, error) = (self, self.to_f64() + other.to_f64(), self.error() + other.error());
-            Number::computed(sum, error, in_every_field!(a, other => a + other))
+            let (a, sum) = (self, self.to_double_double().add(other.to_double_double()));
+            let error = self.uncertainty() + other.uncertainty();
+            define(Number::computed(sum, error, in_every_field!(a, other => a + other)), || {
+                Definition::Sum(self, other)
+            })
         })
     }
 }
@@ -316,9 +367,10 @@ impl Mul for Number {
             _ => None,
         };
         exactly().unwrap_or_else(|| {
-            let (a, x, y) = (self, self.to_f64(), other.to_f64());
-            let error = x.abs() * other.error() + y.abs() * self.error();
-            Number::computed(x * y, error, in_every_field!(a, other => a * other))
+            let (a, product) = (self, self.to_double_double().mul(other.to_double_double()));
+            let error = self.to_f64().abs() * other.uncertainty() + other.to_f64().abs() * self.uncertainty();
+            let number = Number::computed(product, error, in_every_field!(a, other => a * other));
+            define(number, || Definition::Product(self, other))
         })
     }
 }
@@ -329,9 +381,10 @@ impl Neg for Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
-            Number::Real { value, error, .. } => {
+            Number::Real { value, rest, error, .. } => {
                 let a = self;
-                Number::Real { value: -value, error, images: in_every_field!(a => -a) }
+                let number = Number::Real { value: -value, rest: -rest, error, images: in_every_field!(a => -a) };
+                define(number, || Definition::Product(self, Number::integer(-1)))
             }
         }
     }
@@ -422,19 +475,6 @@ fn scale_by_power_of_two(value: f64, exponent: i32) -> f64 {
     libm::scalbn(value, exponent)
 }
 
-/// By repeated squaring, so that every machine gets the same bits.
-fn integer_power(base: f64, exponent: i32) -> f64 {
-    let (mut result, mut square, mut n) = (1.0, base, exponent.unsigned_abs());
-    while n > 0 {
-        if n % 2 == 1 {
-            result *= square;
-        }
-        square *= square;
-        n /= 2;
-    }
-    if exponent < 0 { 1.0 / result } else { result }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -462,9 +502,10 @@ mod tests {
     }
 
     #[test]
-    fn overflow_falls_back_to_a_double() {
+    fn overflow_falls_back_to_100_bits() {
         let big = Number::parse_decimal("1e30").unwrap();
-        assert_eq!((big * big).to_f64(), 1e30 * 1e30);
+        assert_eq!((big * big).to_f64(), 1e60);
+        assert_ne!(1e30 * 1e30, 1e60);
         assert_eq!((big + Number::parse_decimal("1e-30").unwrap()).to_f64(), 1e30);
     }
 

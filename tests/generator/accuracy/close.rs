@@ -1,5 +1,10 @@
 //! Mechanisms whose parts touch, each with a place where they do.
 
+use mbs_derive::model::Lagrangian;
+use mbs_derive::numeric::Random;
+
+use super::measure::states::{self, Point, state};
+
 /// A mechanism, the coordinates at which distances vanish.
 pub(crate) struct Close {
     pub(crate) name: &'static str,
@@ -37,6 +42,20 @@ pub(crate) const CLOSE: &[Close] = &[
     },
     Close { name: "flying_docking", source: FLYING_DOCKING, contact: &[1.0e7, 2.0e7, 0.3, 0.4, 0.0], is_exact: false },
 ];
+
+/// Points around a contact: at it, and 1e-9, 1e-6 and 1e-3 away from it.
+pub(crate) fn near(lagrangian: &Lagrangian<'_>, contact: &[f64]) -> Vec<Point> {
+    let mut random = Random::new(0x0063_6c6f_7365);
+    let declared: Vec<f64> =
+        lagrangian.parameters.iter().flat_map(|p| &p.defaults).map(|default| default.to_f64()).collect();
+    let distances = [0.0, states::CLOSE, states::CLOSE, 1e-6, 1e-3];
+    let at = |distance: f64| {
+        let mut state = state(lagrangian, &mut random);
+        state.q = contact.iter().map(|q| q + distance * random.symmetric()).collect();
+        Point { name: format!("{distance} from contact"), state, parameters: declared.clone() }
+    };
+    distances.map(at).into()
+}
 
 /// A puck on a turntable, on a spring to a pin on the table.
 const TURNTABLE_WITH_PIN: &str = "

@@ -7,7 +7,7 @@ use mbs_derive::expr::{Function, Value};
 use mbs_runtime::{Real, Scalar};
 use mbs_tests::random::Random;
 
-use super::exact::{Exact, forgetting};
+use super::measure::exact::{Exact, forgetting};
 
 /// The largest multiples of π/4 for `f64` and `f32`.
 const LAST: [u32; 2] = [127_323, 509];

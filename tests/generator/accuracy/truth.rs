@@ -5,7 +5,7 @@ use mbs_derive::expr::{Dual, Symbol, Value};
 use mbs_derive::interpret::State;
 use mbs_derive::verify::Witness;
 
-use super::exact::Exact;
+use super::measure::exact::Exact;
 
 /// T, V and `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇`.
 pub(crate) struct Truth {

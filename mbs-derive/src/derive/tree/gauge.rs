@@ -5,7 +5,7 @@
 //! join the angles of the two joints; what remains costs a plane rotation instead of a full one, as Denavit and
 //! Hartenberg's convention has it.
 
-use crate::expr::{Expr, Graph, Matrix, Number, Vector};
+use crate::expr::{Binary, Expr, Function, Graph, Matrix, Number, Vector};
 
 use super::force_element::Anchor;
 use super::inertia::Inertia;
@@ -35,9 +35,9 @@ struct Split {
     axis: usize,
     /// The axis of the joint towards the tip; Q takes k to it.
     inner_axis: usize,
-    before: f64,
-    middle: f64,
-    after: f64,
+    before: Number,
+    middle: Number,
+    after: Number,
 }
 
 impl<'g> Linkage<'g> {
@@ -52,21 +52,19 @@ impl<'g> Linkage<'g> {
             outer = self.links[outer].parent?;
         }
         let Some(Edge::Revolute { axis, .. }) = self.links[outer].edge else { return None };
-        if r.iter().flatten().all(|e| [0.0, 1.0, -1.0].contains(e)) {
+        if r.iter().flatten().all(|e| [0.0, 1.0, -1.0].contains(&e.to_f64())) {
             return None;
         }
         // R Q: its columns are those of R, shifted in a ring.
         let rq = r.map(|row| [0, 1, 2].map(|column| row[(column + 3 + inner_axis - axis) % 3]));
         let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
-        let sine = libm::hypot(rq[k][i], rq[k][j]);
-        let parallel = sine < 1e-9;
-        let middle = if parallel {
-            f64::from(u8::from(rq[k][k] < 0.0)) * core::f64::consts::PI
+        let sine = (rq[k][i] * rq[k][i] + rq[k][j] * rq[k][j]).power(1)?;
+        let (before, middle, after) = if sine.to_f64() < 1e-9 {
+            let middle = if rq[k][k].is_negative() { Number::PI } else { Number::ZERO };
+            (Number::ZERO, middle, angle(-rq[i][j], rq[i][i]))
         } else {
-            libm::atan2(sine, rq[k][k])
+            (angle(rq[i][k], -rq[j][k]), angle(sine, rq[k][k]), angle(rq[k][i], rq[k][j]))
         };
-        let before = if parallel { 0.0 } else { libm::atan2(rq[i][k], -rq[j][k]) };
-        let after = if parallel { libm::atan2(-rq[i][j], rq[i][i]) } else { libm::atan2(rq[k][i], rq[k][j]) };
         Some(Split { outer, axis, inner_axis, before, middle, after })
     }
 
@@ -84,7 +82,7 @@ impl<'g> Linkage<'g> {
 #[derive(Clone, Copy)]
 struct Gauge {
     axis: usize,
-    angle: f64,
+    angle: Number,
 }
 
 impl Gauge {
@@ -108,7 +106,7 @@ pub(super) struct Turned<'g> {
 
 impl<'g> Turned<'g> {
     /// `claimed` is the angle that a turn behind this joint wants of it.
-    fn add(&mut self, link: &Link<'g>, inertia: Inertia<'g>, split: Option<&Split>, claimed: Option<f64>) {
+    fn add(&mut self, link: &Link<'g>, inertia: Inertia<'g>, split: Option<&Split>, claimed: Option<Number>) {
         let graph = inertia.mass.graph();
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else {
             let base = self.push(*link, graph);
@@ -136,8 +134,8 @@ impl<'g> Turned<'g> {
     fn add_split(&mut self, mut above: usize, gauge: Option<Gauge>, split: &Split, inertia: Inertia<'g>) {
         let graph = inertia.mass.graph();
         // What another joint has claimed of the parent's turn is made good here.
-        let before = split.before - gauge.map_or(0.0, |gauge| gauge.angle);
-        if before != 0.0 {
+        let before = split.before + gauge.map_or(Number::ZERO, |gauge| -gauge.angle);
+        if !before.is_zero() {
             above = self.hang(above, tilt(split.axis, before, graph), graph);
         }
         above = self.hang(above, tilt((split.axis + 1) % 3, split.middle, graph), graph);
@@ -153,7 +151,7 @@ impl<'g> Turned<'g> {
         mut above: usize,
         gauge: Option<Gauge>,
         (axis, angle): (usize, Expr<'g>),
-        claimed: Option<f64>,
+        claimed: Option<Number>,
         inertia: Inertia<'g>,
     ) {
         let graph = inertia.mass.graph();
@@ -161,20 +159,21 @@ impl<'g> Turned<'g> {
             // A joint about another axis: the parent is turned back for it.
             Some(gauge) if gauge.axis != axis => {
                 above = self.hang(above, tilt(gauge.axis, -gauge.angle, graph), graph);
-                0.0
+                Number::ZERO
             }
             Some(gauge) => gauge.angle,
-            None => 0.0,
+            None => Number::ZERO,
         };
-        let more = claimed.unwrap_or(0.0) - before;
+        let more = claimed.unwrap_or(Number::ZERO) + -before;
         // Quarter turns are exact before the joint, and would cost its angle digits.
-        let quarters = libm::round(more / core::f64::consts::FRAC_PI_2);
-        let is_quarters = (more - quarters * core::f64::consts::FRAC_PI_2).abs() <= 8.0 * f64::EPSILON;
-        if is_quarters && quarters != 0.0 {
-            let turn = rotation(axis, quarters * core::f64::consts::FRAC_PI_2, graph);
-            above = self.hang(above, Edge::Turn(turn), graph);
+        let right_angle = Number::PI * Number::rational(1, 2).expect("one half");
+        let quarters = Number::integer(libm::round(more.to_f64() / right_angle.to_f64()) as i64);
+        let rest = more + -(quarters * right_angle);
+        let is_quarters = rest.to_f64().abs() <= 8.0 * f64::EPSILON;
+        if is_quarters && !quarters.is_zero() {
+            above = self.hang(above, Edge::Turn(rotation(axis, quarters * right_angle, graph)), graph);
         }
-        let angle = if is_quarters { angle } else { angle + rounded(more, graph) };
+        let angle = if is_quarters { angle } else { angle + graph.constant(more) };
         let at = self.hang(above, Edge::revolute(axis, angle), graph);
         self.settle(at, claimed.map(|angle| Gauge { axis, angle }), inertia);
     }
@@ -221,18 +220,23 @@ impl<'g> Turned<'g> {
     }
 }
 
-/// An angle, or its sine or cosine, after a few operations on numbers of about one.
-fn rounded(value: f64, graph: &Graph) -> Expr<'_> {
-    graph.constant(Number::rounded(value, 4.0 * f64::EPSILON))
+/// The angle of the point (x, y). Without images: a field does not know what it has to do with sines and cosines.
+fn angle(y: Number, x: Number) -> Number {
+    y.call2(Binary::Atan2, x).without_images()
 }
 
-fn tilt<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Edge<'g> {
-    let [sin, cos] = [libm::sin(angle), libm::cos(angle)].map(|value| rounded(value, graph));
+/// Its sine and cosine.
+fn sin_cos(angle: Number, graph: &Graph) -> [Expr<'_>; 2] {
+    [Function::Sin, Function::Cos].map(|function| graph.constant(angle).call(function))
+}
+
+fn tilt<'g>(axis: usize, angle: Number, graph: &'g Graph) -> Edge<'g> {
+    let [sin, cos] = sin_cos(angle, graph);
     Edge::Tilt { axis, sin, cos }
 }
 
-fn rotation<'g>(axis: usize, angle: f64, graph: &'g Graph) -> Matrix<'g> {
-    let [sin, cos] = [libm::sin(angle), libm::cos(angle)].map(|value| rounded(value, graph));
+fn rotation<'g>(axis: usize, angle: Number, graph: &'g Graph) -> Matrix<'g> {
+    let [sin, cos] = sin_cos(angle, graph);
     Matrix::plane_rotation(axis, sin, cos)
 }
 
@@ -242,10 +246,10 @@ fn ring<'g>(from: usize, to: usize, graph: &'g Graph) -> Matrix<'g> {
     Matrix([0, 1, 2].map(column)).transpose()
 }
 
-fn numbers(r: Matrix<'_>) -> Option<[[f64; 3]; 3]> {
-    let mut values = [[0.0; 3]; 3];
+fn numbers(r: Matrix<'_>) -> Option<[[Number; 3]; 3]> {
+    let mut values = [[Number::ZERO; 3]; 3];
     for (value, entry) in values.as_flattened_mut().iter_mut().zip(r.0.as_flattened()) {
-        *value = entry.as_constant()?.to_f64();
+        *value = entry.as_constant()?;
     }
     Some(values)
 }
@@ -256,9 +260,13 @@ mod tests {
     use super::*;
     use crate::expr::Symbol;
 
+    fn decimal(value: f64) -> Number {
+        Number::from_f64(value).expect("it is finite")
+    }
+
     /// Two joints with a skew turn and a shift between them; what is behind the second is turned too.
     fn arm<'g>(inner_axis: usize, graph: &'g Graph) -> Linkage<'g> {
-        let skew = |x, y| rotation(0, x, graph) * rotation(1, y, graph);
+        let skew = |x, y| rotation(0, decimal(x), graph) * rotation(1, decimal(y), graph);
         linkage(&[
             (0, joint(2, 0, graph)),
             (1, Edge::Shift(Vector([1, 2, 3].map(|i| graph.integer(i))))),
@@ -271,7 +279,7 @@ mod tests {
 
     /// Whether a turn takes axes to axes.
     fn is_ring(r: Matrix<'_>) -> bool {
-        numbers(r).is_some_and(|r| r.as_flattened().iter().all(|e| [0.0, 1.0, -1.0].contains(e)))
+        numbers(r).is_some_and(|r| r.as_flattened().iter().all(|e| [0.0, 1.0, -1.0].contains(&e.to_f64())))
     }
 
     #[test]
@@ -295,7 +303,7 @@ mod tests {
         for (parent, edge) in [
             (1, joint(2, 3, &graph)),
             (1, joint(0, 4, &graph)),
-            (1, Edge::Turn(rotation(1, 0.7, &graph))),
+            (1, Edge::Turn(rotation(1, decimal(0.7), &graph))),
             (9, joint(1, 5, &graph)),
             (3, Edge::Slide { direction: Vector::unit(&graph, 1), displacement: graph.symbol(Symbol::Coordinate(6)) }),
         ] {
@@ -312,7 +320,7 @@ mod tests {
         let graph = Graph::new();
         for (first, axis, second) in [(1, 0, 2), (1, 2, 0), (0, 2, 1), (2, 1, 0)] {
             for angle in [1.9, -1.9, 0.4] {
-                let turn = rotation(axis, angle, &graph);
+                let turn = rotation(axis, decimal(angle), &graph);
                 let old =
                     linkage(&[(0, joint(first, 0, &graph)), (1, Edge::Turn(turn)), (2, joint(second, 1, &graph))]);
                 let inertias: Vec<_> = (0..old.links.len()).map(|link| body(link, &graph)).collect();
@@ -332,8 +340,8 @@ mod tests {
     #[test]
     fn right_angles_are_exact() {
         let graph = Graph::new();
-        for (quarters, [s, c]) in [(-1.0, [-1, 0]), (1.0, [1, 0]), (2.0, [0, -1])] {
-            let angle = quarters * core::f64::consts::FRAC_PI_2;
+        for (quarters, [s, c]) in [(-1, [-1, 0]), (1, [1, 0]), (2, [0, -1])] {
+            let angle = angle(Number::integer(s), Number::integer(c));
             let Edge::Tilt { sin, cos, .. } = tilt(0, angle, &graph) else { panic!("a tilt") };
             assert_eq!([sin.id(), cos.id()], [graph.integer(s).id(), graph.integer(c).id()], "{quarters}");
         }

@@ -115,7 +115,8 @@ mod tests {
         check("-20deg", "rad", -20f64.to_radians());
         check("2.5e-1 mm", "m", 2.5e-4);
         check("3 kN*mm", "N*m", 3.0);
-        check("3 deg/s", "(rad)/s", std::f64::consts::PI / 60.0);
+        // Next to π/60, as `PI / 60.0` is not.
+        check("3 deg/s", "(rad)/s", 0.052_359_877_559_829_89);
         check("3 m/s^2", "(m/s)/s", 3.0);
         check("7 1", "1", 7.0);
     }

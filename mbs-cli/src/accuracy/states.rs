@@ -2,9 +2,9 @@
 
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Lagrangian;
+use mbs_derive::numeric::Random;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::Variable;
-use mbs_tests::random::Random;
 use nalgebra::{DMatrix, DVector};
 
 use super::vanishing;
@@ -18,7 +18,7 @@ pub(crate) struct Point {
 }
 
 /// Nearer than this things touch.
-const CLOSE: f64 = 1e-9;
+pub(crate) const CLOSE: f64 = 1e-9;
 
 /// Farther than this nothing is.
 const FAR: f64 = 1e7;
@@ -46,16 +46,16 @@ pub(crate) fn points(lagrangian: &Lagrangian<'_>) -> Vec<Point> {
         [("near zero", 0.0), ("near each other", 0.8), ("near a right angle", std::f64::consts::FRAC_PI_2)]
     {
         let mut close = state(lagrangian, &mut random);
-        close.q.iter_mut().for_each(|q| *q = place + CLOSE * random.uniform(-1.0..1.0));
+        close.q.iter_mut().for_each(|q| *q = place + CLOSE * random.symmetric());
         let speed = close.qd.first().copied().unwrap_or_default();
-        close.qd.iter_mut().for_each(|qd| *qd = speed + CLOSE * random.uniform(-1.0..1.0));
+        close.qd.iter_mut().for_each(|qd| *qd = speed + CLOSE * random.symmetric());
         add(name.to_string(), close, &stiff);
     }
     for (k, near) in near_parameters(lagrangian, &declared).into_iter().enumerate() {
         let mut close = state(lagrangian, &mut random);
         for (q, place) in close.q.iter_mut().zip(near) {
             if let Some(place) = place {
-                *q = place + CLOSE * random.uniform(-1.0..1.0);
+                *q = place + CLOSE * random.symmetric();
             }
         }
         add(format!("near parameters {k}"), close, &stiff);
@@ -64,7 +64,7 @@ pub(crate) fn points(lagrangian: &Lagrangian<'_>) -> Vec<Point> {
     for (sum, place) in vanishing::places(lagrangian, &start, &declared) {
         let mut close = state(lagrangian, &mut random);
         (close.t, close.prescribed) = (start.t, start.prescribed.clone());
-        close.q = place.iter().map(|q| q + CLOSE * random.uniform(-1.0..1.0)).collect();
+        close.q = place.iter().map(|q| q + CLOSE * random.symmetric()).collect();
         add(format!("where sum {sum} vanishes"), close, &declared);
     }
     let mut zeros = state(lagrangian, &mut random);
@@ -72,20 +72,6 @@ pub(crate) fn points(lagrangian: &Lagrangian<'_>) -> Vec<Point> {
     zeros.qd.iter_mut().skip(1).step_by(2).for_each(|qd| *qd = 0.0);
     add("zeros".to_string(), zeros, &declared);
     points
-}
-
-/// Points around a contact: at it, and 1e-9, 1e-6 and 1e-3 away from it.
-pub(crate) fn near(lagrangian: &Lagrangian<'_>, contact: &[f64]) -> Vec<Point> {
-    let mut random = Random::new(0x0063_6c6f_7365);
-    let declared: Vec<f64> =
-        lagrangian.parameters.iter().flat_map(|p| &p.defaults).map(|default| default.to_f64()).collect();
-    let distances = [0.0, CLOSE, CLOSE, 1e-6, 1e-3];
-    let at = |distance: f64| {
-        let mut state = state(lagrangian, &mut random);
-        state.q = contact.iter().map(|q| q + distance * random.uniform(-1.0..1.0)).collect();
-        Point { name: format!("{distance} from contact"), state, parameters: declared.clone() }
-    };
-    distances.map(at).into()
 }
 
 /// The nearest states to some points that constraints allow.
@@ -117,9 +103,10 @@ pub(crate) fn on_the_constraints(derivation: &Derivation, points: &[Point]) -> V
     points.iter().take(2).map(nearest).collect()
 }
 
-fn state(lagrangian: &Lagrangian<'_>, random: &mut Random) -> State {
+/// A random one.
+pub(crate) fn state(lagrangian: &Lagrangian<'_>, random: &mut Random) -> State {
     let count = |variables: &[Variable]| variables.iter().map(Variable::count).sum::<usize>();
-    let mut numbers = |n: usize, range: f64| (0..n).map(|_| random.uniform(-range..range)).collect::<Vec<f64>>();
+    let mut numbers = |n: usize, range: f64| random.vector(n, range);
     let n = lagrangian.dof();
     State {
         t: numbers(1, 2.0)[0],

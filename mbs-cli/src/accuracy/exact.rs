@@ -144,7 +144,9 @@ impl Value for Exact {
                 let is_double = value.distance(Exact::constant(value.to_f64())) == 0.0;
                 if is_double { value } else { value.rounded((numerator, denominator, pi)) }
             }
-            Number::Real { value, .. } => Exact::constant(value).rounded(value.to_bits()),
+            Number::Real { value, rest, .. } => {
+                Exact::constant(value).add(Exact::constant(rest)).rounded(value.to_bits())
+            }
         }
     }
     fn neg(self) -> Self {
