@@ -34,7 +34,7 @@ fn emitted(derivation: &Derivation, options: &Options) -> String {
 
 #[track_caller]
 fn check(derivation: &Derivation, options: &Options) {
-    let read = derivation.proofread(options, &emitted(derivation, options));
+    let read = derivation.proofread(Language::Rust, options, &emitted(derivation, options));
     assert!(read.is_ok(), "{}: {}", derivation.name, read.unwrap_err());
 }
 
@@ -70,6 +70,22 @@ fn what_is_emitted_is_the_programs() {
     for derivation in QUICK.iter().filter_map(|name| derivation(name)) {
         options.iter().for_each(|options| check(&derivation, options));
     }
+}
+
+#[test]
+fn what_is_emitted_in_other_languages_is_the_programs() {
+    let mut faults = Vec::new();
+    for derivation in QUICK.iter().filter_map(|name| derivation(name)) {
+        let library = Options::default().trigonometry(Trigonometry::Library);
+        for options in [Options::default(), library] {
+            for language in Language::ALL.into_iter().filter(|language| *language != Language::Rust) {
+                let text = language.write(&derivation, "x.mbs", &options);
+                let read = derivation.proofread(language, &options, &text);
+                faults.extend(read.err().map(|fault| format!("{} {}: {fault}", derivation.name, language.name())));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Every mechanism that there is beside the package: some minutes without optimisation.
@@ -247,7 +263,7 @@ fn damage(derivation: &Derivation, options: &Options) -> BTreeMap<&'static str, 
         if syn::parse_file(&text).is_err() {
             continue;
         }
-        match derivation.proofread(options, &text) {
+        match derivation.proofread(Language::Rust, options, &text) {
             Err(Failure::Misprint { .. }) => *refused.entry(*what).or_insert(0) += 1,
             Err(other) => panic!("{other}"),
             Ok(()) => {
@@ -299,7 +315,7 @@ fn a_report_says_where_and_what() {
     let code = emitted(&derivation, &Options::default());
     let report = |from: &str, to: &str| {
         assert!(code.contains(from), "{code}");
-        match derivation.proofread(&Options::default(), &code.replacen(from, to, 1)) {
+        match derivation.proofread(Language::Rust, &Options::default(), &code.replacen(from, to, 1)) {
             Err(Failure::Misprint { function, what }) => format!("{function}: {what}"),
             other => panic!("{other:?}"),
         }
