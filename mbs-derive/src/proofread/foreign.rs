@@ -72,7 +72,7 @@ struct Foreign<'d, 't> {
     derivation: &'d Derivation,
     dialect: Dialect,
     tokens: &'t [Token<'t>],
-    routines: BTreeMap<&'t str, Routine<'t, 't>>,
+    routines: BTreeMap<&'t str, Option<Routine<'t, 't>>>,
     /// What names of a header begin with.
     prefix: String,
     numbering: Numbering,
@@ -84,7 +84,8 @@ struct Foreign<'d, 't> {
 
 impl<'d, 't> Foreign<'d, 't> {
     fn routine(&self, name: &str) -> Reading<Routine<'t, 't>> {
-        self.routines.get(name).copied().ok_or_else(|| format!("`{name}` is missing"))
+        let found = self.routines.get(name).ok_or_else(|| format!("`{name}` is missing"))?;
+        found.ok_or_else(|| format!("`{name}` is there twice"))
     }
 
     fn reader<'r>(&'r mut self, tokens: &'r [Token<'t>], names: HashMap<String, Value>) -> Reader<'r, 't> {
@@ -120,9 +121,10 @@ impl<'d, 't> Foreign<'d, 't> {
 
     /// What the names of a header begin with; whose sines it has.
     fn prefix(&mut self, options: &Options, code: &str) -> Reading<()> {
-        let new = self.routines.iter().find(|(name, new)| **name == format!("{}_new", written(new.head)));
+        let mut known = self.routines.iter().filter_map(|(name, new)| Some((name, (*new)?)));
+        let new = known.find(|(name, new)| **name == format!("{}_new", written(new.head)));
         self.prefix = new.map(|(_, new)| written(new.head)).ok_or("there is no constructor")?;
-        let is_library = code.contains("\n#define MBS_LIBRARY_TRIGONOMETRY\n");
+        let is_library = code.contains("#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n");
         if is_library != (options.trigonometry == Trigonometry::Library) {
             return Err("sines are those of another library".to_string());
         }
@@ -293,8 +295,13 @@ impl<'d, 't> Foreign<'d, 't> {
             let mut reader = self.reader(body, HashMap::new());
             reader.body()?
         };
-        let escaped = |name: &str| if name == "__proto__" { format!("js_{name}") } else { name.to_string() };
-        let fields: Vec<String> = self.derivation.parameters.iter().map(|parameter| escaped(&parameter.name)).collect();
+        // Of a name that JavaScript or Rust cannot have the text has another.
+        let is_there = |field: &String| matches!(&found, Some(Value::Struct(fields)) if fields.contains_key(field));
+        let field = |name: &str| {
+            let candidates = [name.to_string(), format!("{name}_"), format!("js_{name}"), format!("{name}__2")];
+            candidates.into_iter().find(is_there).unwrap_or_default()
+        };
+        let fields: Vec<String> = self.derivation.parameters.iter().map(|parameter| field(&parameter.name)).collect();
         let expected = fields.iter().cloned().zip(self.defaults()).collect();
         self.compare(&found.unwrap_or(Value::Unset), &Value::Struct(expected))?;
         let params = self.parameters(&fields)?;
@@ -353,7 +360,7 @@ impl<'d, 't> Foreign<'d, 't> {
 
     fn constructor_of_matlab(&mut self) -> Reading<Value> {
         // The main function is the first one, which takes what is given.
-        let main = self.routines.values().find(|routine| written(routine.head) == "m").copied();
+        let main = self.routines.values().flatten().find(|routine| written(routine.head) == "m").copied();
         let main = main.ok_or("there is no main function")?;
         let body = self.behind(main.body, "if nargin < 1 given = struct(); end params = struct();")?;
         let keeps = spaced(&self.dialect, "c.params = mbs_parameters(params, given);")?;
@@ -442,7 +449,8 @@ impl<'d, 't> Foreign<'d, 't> {
         for function in &self.derivation.functions {
             let times = seen.entry(&function.name).and_modify(|times| *times += 1).or_insert(1);
             let name = if *times > 1 { format!("{}_{times}", function.name) } else { function.name.clone() };
-            match self.name_of(&name) {
+            // What Rust cannot escape has a line behind.
+            match self.name_of(&name).or_else(|| self.name_of(&format!("{name}_"))) {
                 Some(name) => found.push((function, name)),
                 None if is_asked_for(function) => return Err(misprint(&function.name, "it is missing".to_string())),
                 None => {}
@@ -450,12 +458,12 @@ impl<'d, 't> Foreign<'d, 't> {
         }
         let motion = self.declare(&found).map_err(|what| misprint("constrained_motion", what))?;
         for (function, name) in found {
-            let routine = self.routines[name];
-            self.function(function, routine, false).map_err(|what| misprint(&function.name, what))?;
+            let read = self.routine(name).and_then(|routine| self.function(function, routine, false));
+            read.map_err(|what| misprint(&function.name, what))?;
         }
         if let Some((function, name)) = motion {
-            let routine = self.routines[name];
-            self.function(function, routine, true).map_err(|what| misprint("constrained_motion", what))?;
+            let read = self.routine(name).and_then(|routine| self.function(function, routine, true));
+            read.map_err(|what| misprint("constrained_motion", what))?;
         }
         Ok(())
     }
@@ -572,7 +580,10 @@ impl<'d, 't> Foreign<'d, 't> {
         let is_written = matches!(self.dialect.family, Family::C | Family::Matlab);
         let is_of_motion = function.completion == Completion::SolveMultipliers
             || (function.kind == FunctionKind::ForwardDynamics && function.completion.is_constrained());
-        is_written && !is_motion && (function.completion == Completion::None || is_of_motion)
+        is_written
+            && !is_motion
+            && !self.outputs(function, false).is_empty()
+            && (function.completion == Completion::None || is_of_motion)
     }
 
     /// The names of what a function writes, and how many numbers each is.

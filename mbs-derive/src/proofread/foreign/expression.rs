@@ -6,7 +6,7 @@ use crate::expr::{Binary, Function};
 
 use super::super::numbering::{Number, Numbering};
 use super::super::reader::Reading;
-use super::dialect::{Dialect, Meant};
+use super::dialect::{Dialect, Family, Meant};
 use super::token::{Kind, Token};
 use super::value::{Step, Value};
 
@@ -219,17 +219,21 @@ impl<'r, 't> Reader<'r, 't> {
     /// `{ position: a, rotation }`
     fn object(&mut self) -> Reading<Value> {
         let mut fields = BTreeMap::new();
-        while !self.takes("}") {
+        loop {
+            self.skip_ends();
+            if self.takes("}") {
+                return Ok(Value::Struct(fields));
+            }
             let name = self.name()?;
             let value = if self.takes(":") { self.expression()? } else { self.named(name)? };
             if fields.insert(name.to_string(), value).is_some() {
                 return Err(format!("`{name}` is there twice"));
             }
+            self.skip_ends();
             if !self.takes(",") && !self.is_next("}") {
                 return self.unknown();
             }
         }
-        Ok(Value::Struct(fields))
     }
 
     /// What begins with a name: a variable, a constant, or a call.
@@ -450,7 +454,12 @@ impl<'r, 't> Reader<'r, 't> {
             Value::Integer(size) => Ok(count * size),
             _ => Err("a size is no number".to_string()),
         })?;
-        if self.names.get(name) != Some(value) || value.flat()?.len() != count {
+        // JavaScript counts motions, each of which is three numbers.
+        let found = match value {
+            Value::Array(entries) if self.dialect.family == Family::Js => entries.len(),
+            other => other.flat()?.len(),
+        };
+        if self.names.get(name) != Some(value) || found != count {
             return Err(format!("`{name}` is not looked at as it should be"));
         }
         Ok(())

@@ -26,13 +26,14 @@ pub(super) fn spaced(dialect: &Dialect, text: &str) -> Reading<String> {
     Ok(written(&tokens(text, &dialect.lexis)?))
 }
 
-/// All functions by name, of which none may be there twice.
+/// All functions of the mechanism by name, and what else there is in front of them; of those that are there twice, as
+/// what a header has for different compilers, there is none.
 pub(super) fn routines<'r, 't>(
     dialect: &Dialect,
     tokens: &'r [Token<'t>],
-) -> Reading<BTreeMap<&'t str, Routine<'r, 't>>> {
+) -> Reading<BTreeMap<&'t str, Option<Routine<'r, 't>>>> {
     let mut found = BTreeMap::new();
-    let mut at = 0;
+    let mut at = class(dialect, tokens);
     while at < tokens.len() {
         let Some((name, head)) = begins(dialect, tokens, at) else {
             at += 1;
@@ -62,11 +63,18 @@ pub(super) fn routines<'r, 't>(
         };
         at = body.end;
         let routine = Routine { head: &tokens[head], arguments, body: &tokens[body] };
-        if found.insert(tokens[name].text, routine).is_some() {
-            return Err(format!("`{}` is there twice", tokens[name].text));
-        }
+        found.entry(tokens[name].text).and_modify(|known| *known = None).or_insert(Some(routine));
     }
     Ok(found)
+}
+
+/// Where the class of the mechanism begins, which is the last one; without classes the text.
+fn class(dialect: &Dialect, tokens: &[Token<'_>]) -> usize {
+    let is_class = |token: &Token<'_>| token.is("class") && token.indent == 0;
+    match dialect.family {
+        Family::Js | Family::Python => tokens.iter().rposition(is_class).unwrap_or_default(),
+        Family::C | Family::Matlab => 0,
+    }
 }
 
 /// Where the name of a function is that begins here, and what is before it.
