@@ -13,10 +13,12 @@ mod expression;
 mod result;
 mod routine;
 mod statement;
+#[cfg(test)]
+mod tests;
 mod token;
 mod value;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::emit::{Language, Options};
 use crate::expr::Trigonometry;
@@ -98,6 +100,7 @@ impl<'d, 't> Foreign<'d, 't> {
             names,
             changes: Vec::new(),
             sides: 0,
+            looked_at: BTreeSet::new(),
         }
     }
 
@@ -529,6 +532,7 @@ impl<'d, 't> Foreign<'d, 't> {
             .filter(|(_, value)| !matches!(value, Value::Array(entries) if entries.is_empty()))
             .collect();
         let outputs = self.outputs(function, is_motion);
+        let sized = self.sized(function, is_motion, &arguments);
         self.look_at(&written(routine.arguments), &self.head(&arguments, &outputs))?;
         let mut names: HashMap<String, Value> =
             arguments.into_iter().map(|(name, value)| (name.to_string(), value)).collect();
@@ -538,13 +542,11 @@ impl<'d, 't> Foreign<'d, 't> {
                 names.insert(name.clone(), Value::Array(vec![Value::Unset; *count]));
             }
         }
-        let batch = self.batch(&all)?;
-        let body = if self.dialect.family == Family::Python {
-            self.without_batch(routine.body, &batch)?
-        } else {
-            routine.body.to_vec()
+        let body = match self.dialect.family {
+            Family::Python => self.without_batch(routine.body, &self.batch(&all)?),
+            Family::C | Family::Js | Family::Matlab => routine.body.to_vec(),
         };
-        if self.dialect.family == Family::Python {
+        if body.len() < routine.body.len() {
             names.insert("batch".to_string(), Value::Text("batch".to_string()));
         }
         if self.dialect.family == Family::Matlab {
@@ -556,6 +558,9 @@ impl<'d, 't> Foreign<'d, 't> {
         let mut reader = self.reader(&body, names);
         let returned = reader.body()?;
         let mut names = std::mem::take(&mut reader.names);
+        if reader.looked_at != sized {
+            return Err("it looks at the sizes of other arguments than it takes".to_string());
+        }
         let is_written = match self.dialect.family {
             Family::C => !outputs.is_empty(),
             Family::Matlab => true,
@@ -578,8 +583,7 @@ impl<'d, 't> Foreign<'d, 't> {
     /// Whether results are compared number by number, whatever their shape is.
     fn is_flat(&self, function: &Function, is_motion: bool) -> bool {
         let is_written = matches!(self.dialect.family, Family::C | Family::Matlab);
-        let is_of_motion = function.completion == Completion::SolveMultipliers
-            || (function.kind == FunctionKind::ForwardDynamics && function.completion.is_constrained());
+        let is_of_motion = self.is_of_the_motion(function);
         is_written
             && !is_motion
             && !self.outputs(function, false).is_empty()
@@ -634,11 +638,31 @@ impl<'d, 't> Foreign<'d, 't> {
         spaced(&self.dialect, &format!("batch = np.broadcast_shapes({})", shapes.join(", ")))
     }
 
-    /// A body without the line that says what the batch is, which is there at most once.
-    fn without_batch(&self, body: &[Token<'t>], batch: &str) -> Reading<Vec<Token<'t>>> {
-        let lines = body.split_inclusive(|token| token.kind == token::Kind::End);
-        let lines: Vec<_> = lines.filter(|line| written(line) != batch).collect();
-        Ok(lines.concat())
+    /// A body without the line that says what the batch is.
+    fn without_batch(&self, body: &[Token<'t>], batch: &str) -> Vec<Token<'t>> {
+        let lines: Vec<&[Token<'t>]> = body.split_inclusive(|token| token.kind == token::Kind::End).collect();
+        match lines.iter().position(|line| written(line) == batch) {
+            Some(at) => [lines[..at].concat(), lines[at + 1..].concat()].concat(),
+            None => body.to_vec(),
+        }
+    }
+
+    /// The arguments whose sizes a function must look at; one that calls another leaves that to it.
+    fn sized(&self, function: &Function, is_motion: bool, arguments: &[(&str, Value)]) -> BTreeSet<String> {
+        let is_looked_at = |value: &Value| match self.dialect.family {
+            Family::C => false,
+            Family::Js => matches!(value, Value::Array(_)),
+            Family::Python | Family::Matlab => true,
+        };
+        let of_the_motion = !is_motion && self.is_of_the_motion(function);
+        let arguments = arguments.iter().filter(|(_, value)| !of_the_motion && is_looked_at(value));
+        arguments.map(|(name, _)| (*name).to_string()).collect()
+    }
+
+    /// Whether a function gives a part of the motion with constraints.
+    fn is_of_the_motion(&self, function: &Function) -> bool {
+        function.completion == Completion::SolveMultipliers
+            || (function.kind == FunctionKind::ForwardDynamics && function.completion.is_constrained())
     }
 }
 

@@ -14,7 +14,7 @@ use crate::source::Sources;
 const DAMAGES: usize = 400;
 
 /// Derived, not proved; `None` in a package, which has no mechanisms beside it.
-fn derivation(name: &str) -> Option<Derivation> {
+pub(super) fn derivation(name: &str) -> Option<Derivation> {
     let path = Path::new("..").join(name).with_extension("mbs");
     let text = std::fs::read_to_string(&path).ok()?;
     Some(derived(&path, text))
@@ -39,7 +39,7 @@ fn check(derivation: &Derivation, options: &Options) {
 }
 
 /// Mechanisms of all constructs that are derived at once.
-const QUICK: [&str; 17] = [
+pub(super) const QUICK: [&str; 17] = [
     "models/mechanisms/pendulum",
     "models/mechanisms/cart_pole",
     "models/mechanisms/double_pendulum",
@@ -70,22 +70,6 @@ fn what_is_emitted_is_the_programs() {
     for derivation in QUICK.iter().filter_map(|name| derivation(name)) {
         options.iter().for_each(|options| check(&derivation, options));
     }
-}
-
-#[test]
-fn what_is_emitted_in_other_languages_is_the_programs() {
-    let mut faults = Vec::new();
-    for derivation in QUICK.iter().filter_map(|name| derivation(name)) {
-        let library = Options::default().trigonometry(Trigonometry::Library);
-        for options in [Options::default(), library] {
-            for language in Language::ALL.into_iter().filter(|language| *language != Language::Rust) {
-                let text = language.write(&derivation, "x.mbs", &options);
-                let read = derivation.proofread(language, &options, &text);
-                faults.extend(read.err().map(|fault| format!("{} {}: {fault}", derivation.name, language.name())));
-            }
-        }
-    }
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Every mechanism that there is beside the package: some minutes without optimisation.

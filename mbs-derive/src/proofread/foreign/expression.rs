@@ -1,6 +1,6 @@
 //! Expressions of languages with infix operators, evaluated as they are parsed.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use crate::expr::{Binary, Function};
 
@@ -39,6 +39,8 @@ pub(super) struct Reader<'r, 't> {
     pub(super) changes: Vec<(String, Option<Value>)>,
     /// How many sides of branches are around.
     pub(super) sides: usize,
+    /// The arguments whose sizes were looked at.
+    pub(super) looked_at: BTreeSet<String>,
 }
 
 impl<'r, 't> Reader<'r, 't> {
@@ -404,6 +406,10 @@ impl<'r, 't> Reader<'r, 't> {
 
     /// What functions of the language compute.
     fn computed(&mut self, meant: Meant, name: &str, arguments: &[Value]) -> Reading<Value> {
+        if let (Meant::Argument, [Value::Text(name), value, sizes @ ..]) = (meant, arguments) {
+            self.sized(name, value, sizes)?;
+            return Ok(value.clone());
+        }
         let numbering = &mut *self.numbering;
         let found = match (meant, arguments) {
             (Meant::Itself, [Value::Number(a)]) => *a,
@@ -439,17 +445,13 @@ impl<'r, 't> Reader<'r, 't> {
             (Meant::Repeated, [value, Value::Integer(count), Value::Integer(1)]) => {
                 return Ok(Value::Array(vec![value.clone(); *count]));
             }
-            (Meant::Argument, [Value::Text(name), value, sizes @ ..]) => {
-                self.sized(name, value, sizes)?;
-                return Ok(value.clone());
-            }
             _ => return Err(format!("`{name}` has other arguments than it takes")),
         };
         Ok(found.into())
     }
 
     /// Whether an argument is what it is called and has as many components as are asked for.
-    pub(super) fn sized(&self, name: &str, value: &Value, sizes: &[Value]) -> Reading<()> {
+    pub(super) fn sized(&mut self, name: &str, value: &Value, sizes: &[Value]) -> Reading<()> {
         let count = sizes.iter().try_fold(1, |count, size| match size {
             Value::Integer(size) => Ok(count * size),
             _ => Err("a size is no number".to_string()),
@@ -462,6 +464,7 @@ impl<'r, 't> Reader<'r, 't> {
         if self.names.get(name) != Some(value) || found != count {
             return Err(format!("`{name}` is not looked at as it should be"));
         }
+        self.looked_at.insert(name.to_string());
         Ok(())
     }
 }
