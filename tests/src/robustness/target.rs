@@ -135,10 +135,10 @@ pub fn pipeline(bytes: &[u8]) -> Result<(), String> {
 pub const STATES_OF: [&str; 3] = [
     "mechanism Spring { param m: kg = 1; param k[2]: N/mm = [4, 1]; coord x: m; input f: N; \
      kinetic += m*dt(x)^2/2; potential += (k[0] + k[1])*x^2/2; force x += f; }",
-    "mechanism Driven { param positive l: m = 1; param r[2][2]: m = [[1, 0], [0, 1]]; coord q[2]: rad; \
-     prescribed lift: m; prescribed swing: m = 0.1*sin(2*t); \
-     kinetic += 1 kg*l^2*(dt(q[0])^2 + dt(q[1])^2)/2; potential += 9.81 N/m*l*(lift + swing)*cos(q[0]); \
-     force q[1] += 1 N/m*r[0][1]*l*q[0]; }",
+    "mechanism Driven { param l: m = 1, positive; param r[2][2]: m = [[1, 0], [0, 1]]; coord q[2]: rad; \
+     prescribed lift: m; prescribed swing: m = 0.1 m*sin(2 s^-1*t); \
+     kinetic += 1 kg*l^2*(dt(q[0])^2 + dt(q[1])^2)/2; potential += 9.81 N*(lift + swing)*cos(q[0]); \
+     force q[1] += 1 N*r[0][1]*q[0]; }",
     "mechanism Wheel { coord x: m; coord angle: rad; coord v_dot: m; input u[2]: N; \
      kinetic += 1 kg*(dt(x)^2 + dt(v_dot)^2)/2 + 1 kg*m^2*dt(angle)^2/2; \
      constraint rolls: dt(x) = 0.3 m*dt(angle); force v_dot += u[0] + u[1]; }",
