@@ -270,15 +270,19 @@ fn rate<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Va
 
 fn abs<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::new(x.expr.call(Function::Abs), x.dimension)))
+    Ok(Value::Scalar(Scalar::new(cornered(resolver, Function::Abs, x.expr), x.dimension)))
 }
 
 fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
+    Ok(Value::Scalar(Scalar::plain(cornered(resolver, Function::Signum, x.expr))))
+}
+
+/// `abs` or `signum` of what is zero for all values is zero: it is at the corner everywhere, and rounding must not choose
+/// a sign.
+fn cornered<'g>(resolver: &mut Resolver<'_, 'g>, function: Function, x: Expr<'g>) -> Expr<'g> {
     let zero = resolver.graph.integer(0);
-    // Of what is zero for all values rounding must not choose the sign.
-    let sign = if resolver.known.facts.are_equal(x.expr, zero) { zero } else { x.expr.call(Function::Signum) };
-    Ok(Value::Scalar(Scalar::plain(sign)))
+    if resolver.known.facts.are_equal(x, zero) { zero } else { x.call(function) }
 }
 
 fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
