@@ -270,19 +270,12 @@ fn rate<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Va
 
 fn abs<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::new(cornered(resolver, Function::Abs, x.expr), x.dimension)))
+    Ok(Value::Scalar(Scalar::new(resolver.cornered(Function::Abs, x.expr), x.dimension)))
 }
 
 fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::plain(cornered(resolver, Function::Signum, x.expr))))
-}
-
-/// `abs` or `signum` of what is zero for all values is zero: it is at the corner everywhere, and rounding must not choose
-/// a sign.
-fn cornered<'g>(resolver: &mut Resolver<'_, 'g>, function: Function, x: Expr<'g>) -> Expr<'g> {
-    let zero = resolver.graph.integer(0);
-    if resolver.known.facts.are_equal(x, zero) { zero } else { x.call(function) }
+    Ok(Value::Scalar(Scalar::plain(resolver.cornered(Function::Signum, x.expr))))
 }
 
 fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
