@@ -216,6 +216,7 @@ fn what_rounding_decides_is_no_disagreement() {
         "potential += if 1e12*(sin(x)^2 + cos(x)^2 - 1) > 1e-7 { x^2*y } else { y^3 };",
         "potential += signum(m*(sin(x)^2 + cos(x)^2 - 1))*y^2 + abs(y)^3;",
         "potential += signum((x + 0.1) - x - 0.1)*y + abs(x)^3;",
+        "dissipation += abs(dt(m))^3 + abs(dt(x) - dt(x + 0.1));",
         "force x += abs(m*(dt(x) + 0.1) - m*dt(x) - m/10)*y + signum(dt(y));",
         "potential += if 1e16 + 1 - 1e16 < 0.5 { x^2 } else { x^3 };",
         "potential += 1e3*(x^2 + y^2) + 1e-12*(if m*(sin(x)^2 + cos(x)^2 - 1) > 1e-9 { x } else { y });",

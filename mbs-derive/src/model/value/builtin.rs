@@ -270,15 +270,12 @@ fn rate<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Va
 
 fn abs<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    Ok(Value::Scalar(Scalar::new(x.expr.call(Function::Abs), x.dimension)))
+    Ok(Value::Scalar(Scalar::new(resolver.cornered(Function::Abs, x.expr), x.dimension)))
 }
 
 fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
-    let zero = resolver.graph.integer(0);
-    // Of what is zero for all values rounding must not choose the sign.
-    let sign = if resolver.known.facts.are_equal(x.expr, zero) { zero } else { x.expr.call(Function::Signum) };
-    Ok(Value::Scalar(Scalar::plain(sign)))
+    Ok(Value::Scalar(Scalar::plain(resolver.cornered(Function::Signum, x.expr))))
 }
 
 fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {

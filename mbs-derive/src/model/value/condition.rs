@@ -5,7 +5,7 @@
 //! between branches, one way here and the other way there.
 
 use crate::diagnostic::Code;
-use crate::expr::{Condition, Expr, Id, Matrix, Node, Vector};
+use crate::expr::{Condition, Expr, Function, Id, Matrix, Node, Vector};
 use crate::model::lagrangian::Choice;
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
 use crate::model::value::usage::in_words;
@@ -185,6 +185,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
             _ if self.known.facts.are_equal(a, b) => Truth::Known(false),
             _ => Truth::Open(a.less(b)),
         }
+    }
+
+    /// `abs` or `signum`. Of what is zero for all values they are zero: it is at the corner everywhere, and rounding must
+    /// not choose a sign.
+    pub(super) fn cornered(&mut self, function: Function, x: Expr<'g>) -> Expr<'g> {
+        let zero = self.graph.integer(0);
+        if self.known.facts.are_equal(x, zero) { zero } else { x.call(function) }
     }
 
     fn less_equal(&mut self, a: Expr<'g>, b: Expr<'g>) -> Truth<'g> {

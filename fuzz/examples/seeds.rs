@@ -1,5 +1,5 @@
-//! `cargo run --bin seeds`: the good and the wrong models of the repository, robots, tables and states, each a file in
-//! `corpus/TARGET/`, and what the language has of words, in `dictionaries/`. Neither is kept in the repository.
+//! `cargo run --example seeds`: the good and the wrong models of the repository, robots, tables and states, each a file
+//! in `corpus/TARGET/`, and what the language has of words, in `dictionaries/`. Neither is kept in the repository.
 
 use std::fs;
 use std::io;
