@@ -52,10 +52,11 @@ impl Accuracy {
 
     fn words(&self) -> String {
         format!(
-            "Errors of doubles against numbers of 200 bits, at {} states: random, far away, and where things touch, are\n\
-             at right angles or zero. ulp: a unit in the last place of the largest component of its kind; condition: how\n\
-             many of these an error of half a unit in every input and constant may make, beside the largest error. Where\n\
-             error/condition, the largest of all states and beside it where, is more than 32, digits are lost that were there.\n",
+            "Errors of doubles against numbers of 200 bits, at {} states: random, far away, and where things touch,\n\
+             are at right angles or zero. ulp: a unit in the last place of the largest component of its kind;\n\
+             condition: how many of these come of half a unit in every input and constant, where the error is\n\
+             largest. Where error/condition, the largest of all states, is more than 32, digits are lost that\n\
+             were there.\n",
             self.states
         )
     }

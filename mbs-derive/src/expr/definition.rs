@@ -40,8 +40,8 @@ pub(super) fn define(number: Number, definition: impl FnOnce() -> Definition) ->
 }
 
 impl Number {
-    /// What `compute` returns, and each constant that it folds and no fraction holds beside the same operations over other
-    /// numbers.
+    /// What `compute` returns, and each constant that it folds and no fraction holds, beside the value of the same
+    /// operations over other numbers.
     ///
     /// # Panics
     /// Where a constant was folded before and is no fraction.

@@ -104,7 +104,9 @@ fn random_constants_are_rounded_once() {
         forgetting(|| {
             let graph = Graph::new();
             let (_, values) = Number::refolded::<Exact, _>(|| random_constant(&mut random, &graph));
-            for (number, exact) in values.into_iter().filter(|(number, _)| number.to_f64().is_finite()) {
+            // Subnormal doubles have no value over 200 bits: `from_f64` takes them for twice as much.
+            let is_zero_or_normal = |value: f64| value == 0.0 || value.is_normal();
+            for (number, exact) in values.into_iter().filter(|(number, _)| is_zero_or_normal(number.to_f64())) {
                 let (value, error) = (number.to_f64(), Exact::constant(number.to_f64()).distance(exact));
                 let unit = value.abs().next_up() - value.abs();
                 if matches!(number, Number::Exact { .. }) {
