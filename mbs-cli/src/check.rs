@@ -15,6 +15,7 @@ pub(crate) use proof::Evidence;
 use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::mechanism::Mechanism;
+use crate::words::{abridged, plural};
 use crate::{mechanism, output};
 
 /// Check a mechanism: its declaration, its physical dimensions, and the proof of its equations.

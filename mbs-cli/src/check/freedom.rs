@@ -5,10 +5,10 @@ use mbs_derive::interpret::State;
 use mbs_derive::optimise::Derivation;
 use mbs_runtime::RedundantRows;
 
-use super::plural;
 use crate::equations::Equations;
 use crate::failure::Failure;
 use crate::state::Point;
+use crate::words::plural;
 
 /// This many guesses of each size are brought onto the constraints.
 const GUESSES: usize = 6;

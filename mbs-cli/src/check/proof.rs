@@ -4,7 +4,7 @@ use mbs_derive::verify::Proof;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::plural;
+use crate::words::plural;
 
 /// What is kept of a proof.
 #[derive(Serialize, Deserialize)]
