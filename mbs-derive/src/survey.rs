@@ -38,3 +38,17 @@ impl Sources {
         words.chain(model::words()).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Such a file has no block of a mechanism, in which its parts would stand.
+    #[test]
+    fn parts_built_in_a_file_to_be_imported_are_reported() {
+        for text in ["const a: 1 = 2; bob one(a);", "part bob(m) { let k = m; } bob one(2); bob two[0](3);"] {
+            let (errors, _) = Sources::new("shared.mbs", text).surveyed();
+            assert!(errors.has_errors(), "{text}");
+        }
+    }
+}

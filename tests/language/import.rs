@@ -370,6 +370,10 @@ fn mistakes_of_other_formats_are_reported_too() {
         "error[MBS0310]: there is no class `no` of defaults\n --> m.xml:3:23",
     );
     check("<include file=\"b.xml\"/>", "error[MBS0310]: `include` is not imported\n --> m.xml:3:16");
+    // Its spring would be one of nothing.
+    let belt = "<tendon>\n<fixed name=\"belt\" stiffness=\"4\"/>\n</tendon>\n</mujoco>";
+    let belted = model(&format!("{joint}<geom size=\"1\"/>")).replace("</mujoco>", belt);
+    refused("m.xml", &belted, "error[MBS0310]: the tendon `belt` is along no joint\n --> m.xml:6:1");
     check(
         joint,
         "error[MBS0310]: the link `a` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> m.xml:3:1",

@@ -5,8 +5,8 @@
 //! - [`model`]: models written from the grammar, of which most are right;
 //! - [`seeded`]: bytes of all that is read, damaged from a seed;
 //! - [`examine`]: the whole generator run on a text;
-//! - [`target`]: what is done with bytes of any kind, by tests and by the fuzz targets of `fuzz/`; `state`: the program's
-//!   reader of state files.
+//! - [`target`]: what is done with bytes of any kind, by tests and by the fuzz targets of `fuzz/`; `state`: the reader
+//!   of state files of the program.
 
 pub mod examine;
 pub mod model;

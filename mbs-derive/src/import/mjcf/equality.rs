@@ -196,6 +196,10 @@ impl<'a, 'i> File<'a, 'i, '_> {
                     terms.push((coefficient, of));
                 }
             }
+            if terms.is_empty() {
+                let help = "name one in it: `<joint joint=\"…\" coef=\"1\"/>`";
+                self.reader.refuse(tag(node), format!("the tendon `{name}` is along no joint"), help);
+            }
             if stiffness != 0.0 || damping != 0.0 {
                 let rest = self.rest(node, &name, &terms);
                 let spring =

@@ -146,7 +146,9 @@ impl<'g> Scope<'g> {
     /// The outermost block of the part or the mechanism that is being built.
     fn body(&mut self) -> &mut BTreeMap<String, Binding<'g>> {
         let own = self.functions.last().map_or(OUTERMOST - 1, |body| body.first);
-        &mut self.blocks[own]
+        // A file to be imported, in which parts are misplaced, has no block of a mechanism.
+        let last = self.blocks.len() - 1;
+        &mut self.blocks[own.min(last)]
     }
 
     /// What a name stands for in the outermost block of the part or the mechanism, to which loops may add.

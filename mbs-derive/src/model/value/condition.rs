@@ -187,8 +187,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// `abs` or `signum`. Of what is zero for all values they are zero: it is at the corner everywhere, and rounding must
-    /// not choose a sign.
+    /// `abs` or `signum`. Of what is zero for all values they are zero: it is at the corner everywhere, and rounding
+    /// must not choose a sign.
     pub(super) fn cornered(&mut self, function: Function, x: Expr<'g>) -> Expr<'g> {
         let zero = self.graph.integer(0);
         if self.known.facts.are_equal(x, zero) { zero } else { x.call(function) }
