@@ -309,7 +309,7 @@ mod tests {
         for x in [1e-9, 0.03, 0.3, 0.999, 1.0, 1.04] {
             let x = DoubleDouble::of(x).div(DoubleDouble::of(1.1));
             for (function, inverse) in [(Asin, Sin), (Acos, Cos), (Atan, Tan), (Ln, Exp), (Exp, Ln)] {
-                if (function, inverse) == (Exp, Ln) && x.high < 0.01 || function == Acos && x.high < 0.01 {
+                if x.high < 0.01 && [Exp, Acos].contains(&function) {
                     continue; // what is next to 1 has lost its digits
                 }
                 assert!(is_near(x.call(function).call(inverse), x), "{function:?} of {x:?}");
