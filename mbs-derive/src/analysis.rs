@@ -144,7 +144,7 @@ impl<'g> Analysis<'g> {
             }
         }
         let code = emit::rust(derivation, self.sources.portable_name(), options);
-        derivation.proofread(Language::Rust, options, &code)?;
+        derivation.proofread(options, &code)?;
         Ok(Generated {
             module: emit::module_name(derivation),
             name: emit::type_name(derivation),
@@ -153,19 +153,17 @@ impl<'g> Analysis<'g> {
             constraints: derivation.constraints.len(),
             implements_mechanism: emit::implements_mechanism(derivation, options),
             code,
-            others: self.others(options)?,
+            others: self.others(options),
             warnings: warnings.render_in(&self.sources),
         })
     }
 
-    /// The files of other languages than Rust, in the order of the list, read again.
-    fn others(&self, options: &Options) -> Result<Vec<(String, String)>, Error> {
+    /// The files of other languages than Rust, in the order of the list.
+    fn others(&self, options: &Options) -> Vec<(String, String)> {
         let derivation = &self.programs;
         let asked_for = |language: &Language| *language != Language::Rust && options.languages.contains(language);
         let file = |language: Language| {
-            let code = language.write(derivation, self.sources.portable_name(), options);
-            derivation.proofread(language, options, &code)?;
-            Ok((language.file_name(derivation), code))
+            (language.file_name(derivation), language.write(derivation, self.sources.portable_name(), options))
         };
         Language::ALL.into_iter().filter(asked_for).map(file).collect()
     }

@@ -2,15 +2,13 @@
 //!
 //! The text of each function is evaluated symbolically: every expression gets the number of its value, and so does
 //! every instruction of the Program, in one table. A function is right where what it returns has the numbers of its
-//! Program's results, in their shape, and constants their bits. Nothing is shared with the emitter.
+//! Program's results, in their shape, and constants their bits. Of the emitter only the module's name is used.
 //!
 //! - `numbering`: what is one value;
 //! - `meaning`: what expressions mean, and what functions are to return;
 //! - `reader`: Rust, as far as it is emitted, read as meanings;
-//! - `foreign`: the other languages, by one reader;
 //! - `frame`: what stands around functions: types, traits, constants.
 
-mod foreign;
 mod frame;
 mod meaning;
 mod numbering;
@@ -22,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use syn::{ImplItem, Item, ItemImpl};
 
-use crate::emit::{self, Language, Options};
+use crate::emit::{self, Options};
 use crate::expr::Number as Constant;
 use crate::optimise::{Argument, Derivation, Function, FunctionKind};
 use crate::verify::Failure;
@@ -32,28 +30,24 @@ use numbering::Numbering;
 use reader::{Method, Module, Reader, Reading, compact, path_of};
 
 impl Derivation {
-    /// Reads emitted code again, and compares each function with its Program.
+    /// Reads emitted Rust again, and compares each function with its Program.
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
-    /// let text = "mechanism A { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
+    /// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; \
+    ///             potential += k*x^2/2; }";
     /// let graph = Graph::verbatim();
     /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-    /// use mbs_derive::emit::Language;
     /// let (programs, options) = (analysis.programs(), Default::default());
-    /// let code = Language::Rust.write(programs, "spring.mbs", &options);
-    /// assert!(programs.proofread(Language::Rust, &options, &code).is_ok());
-    /// let wrong = code.replace("[k * x]", "[k + x]");
-    /// let misprint = programs.proofread(Language::Rust, &options, &wrong).unwrap_err();
+    /// let code = mbs_derive::emit::rust(programs, "spring.mbs", &options);
+    /// assert!(programs.proofread(&options, &code).is_ok());
+    /// let misprint = programs.proofread(&options, &code.replace("[k * x]", "[k + x]")).unwrap_err();
     /// assert!(misprint.to_string().contains("`(p_0 + q_0)` instead of `(p_0 * q_0)`"));
     /// ```
     ///
     /// # Errors
     /// [`Failure::Misprint`], with the function and what differs in it.
-    pub fn proofread(&self, language: Language, options: &Options, code: &str) -> Result<(), Failure> {
-        if language != Language::Rust {
-            return foreign::proofread(self, language, options, code);
-        }
+    pub fn proofread(&self, options: &Options, code: &str) -> Result<(), Failure> {
         let file = syn::parse_file(code).map_err(|error| misprint("module", error.to_string()))?;
         let [Item::Mod(module)] = file.items.as_slice() else {
             return Err(misprint("module", "the text is not one module".to_string()));

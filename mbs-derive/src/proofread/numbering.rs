@@ -56,8 +56,6 @@ pub(super) struct Numbering {
     numbers: HashMap<Operation, u32, BuildHasherDefault<MixHasher>>,
     /// The bits of the places and rows of splines.
     splines: Vec<[Vec<Vec<u64>>; 2]>,
-    /// Whether sech(a) is 1/cosh(a), as languages without it have it.
-    divides_for_sech: bool,
 }
 
 impl Numbering {
@@ -74,15 +72,6 @@ impl Numbering {
     pub(super) fn constant(&mut self, value: f64) -> Number {
         let number = self.of(Operation::Constant(value.abs().to_bits()));
         if value.is_sign_negative() { number.opposite() } else { number }
-    }
-
-    /// The constant that a number is.
-    pub(super) fn known(&self, number: Number) -> Option<f64> {
-        match self.operations[number.index as usize] {
-            Operation::Constant(bits) if number.is_opposite => Some(-f64::from_bits(bits)),
-            Operation::Constant(bits) => Some(f64::from_bits(bits)),
-            _ => None,
-        }
     }
 
     pub(super) fn symbol(&mut self, symbol: Symbol) -> Number {
@@ -116,17 +105,8 @@ impl Numbering {
         self.of(Operation::Root(a))
     }
 
-    /// Takes sech(a) for 1/cosh(a) from now on, or does not.
-    pub(super) fn divide_for_sech(&mut self, divides: bool) {
-        self.divides_for_sech = divides;
-    }
-
     /// `f(a)`
     pub(super) fn call(&mut self, function: Function, a: Number) -> Number {
-        if function == Function::Sech && self.divides_for_sech {
-            let [one, cosh] = [self.constant(1.0), self.call(Function::Cosh, a)];
-            return self.quotient(one, cosh);
-        }
         self.of(Operation::Call(function, a))
     }
 

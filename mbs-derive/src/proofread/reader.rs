@@ -380,7 +380,7 @@ impl<'r> Reader<'r> {
     /// `from_fn(|i| from_fn(|j| solution[i][2 + j]))`
     fn columns(&mut self, call: &syn::ExprCall) -> Reading<Meaning> {
         let start = "::core::array::from_fn(|i|::core::array::from_fn(|j|solution[i][";
-        // A closure that does not fit on its line is written as a block.
+        // Blocks are the formatter's.
         let written = compact(call).replace(['{', '}'], "");
         let column = written.strip_prefix(start).and_then(|rest| rest.strip_suffix("]))"));
         let first = match column {
