@@ -430,7 +430,8 @@ impl fmt::Display for Number {
 /// What error a function's value has, of the same over magnified errors: to first order errors of numbers of 100 bits
 /// are those of doubles, but smaller. Next to a pole that is not so, and the digits are all unknown.
 fn error_beside(value: DoubleDouble, magnified: Rounded) -> f64 {
-    if (value.high - magnified.value).abs() > magnified.error {
+    // By more than any mathematical library is off, so that every machine decides alike.
+    if (value.high - magnified.value).abs() > 16.0 * magnified.error {
         value.high.abs() / 2.0
     } else {
         magnified.error * (DoubleDouble::UNIT / f64::EPSILON)
