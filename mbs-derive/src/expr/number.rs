@@ -254,7 +254,7 @@ impl Number {
     /// `f(self)`, where it is not held exactly.
     pub(super) fn call(self, function: Function) -> Number {
         let (x, value) = (self, self.to_double_double().call(function));
-        let error = self.inherited(|x| x.call(function));
+        let error = error_beside(value, self.magnified().call(function));
         let number = Number::computed(value, error, in_every_field!(x => x.call(function)));
         define(number, || Definition::Call(function, self))
     }
@@ -262,7 +262,7 @@ impl Number {
     /// `f(self, other)`
     pub(crate) fn call2(self, function: Binary, other: Number) -> Number {
         let (x, value) = (self, self.to_double_double().call2(function, other.to_double_double()));
-        let error = self.inherited(|x| x.call2(function, other.magnified()));
+        let error = error_beside(value, self.magnified().call2(function, other.magnified()));
         let number = Number::computed(value, error, in_every_field!(x, other => x.call2(function, other)));
         define(number, || Definition::Call2(function, self, other))
     }
@@ -270,7 +270,7 @@ impl Number {
     /// A derivative of a spline there.
     pub(crate) fn spline(self, spline: &Spline, order: usize) -> Number {
         let (x, value) = (self, spline.derivative(self.to_double_double(), order));
-        let error = self.inherited(|x| x.spline(spline, order));
+        let error = error_beside(value, self.magnified().spline(spline, order));
         let number = Number::computed(value, error, in_every_field!(x => x.spline(spline, order)));
         define(number, || Definition::Spline(spline.clone(), order, self))
     }
@@ -278,11 +278,6 @@ impl Number {
     /// With its error as many times as large as those of doubles are.
     fn magnified(self) -> Rounded {
         Rounded { value: self.to_f64(), error: self.uncertainty() * (f64::EPSILON / DoubleDouble::UNIT) }
-    }
-
-    /// What error a function of it has: to first order errors of numbers of 100 bits are those of doubles, but smaller.
-    fn inherited(self, function: impl FnOnce(Rounded) -> Rounded) -> f64 {
-        function(self.magnified()).error * (DoubleDouble::UNIT / f64::EPSILON)
     }
 
     /// `self / other`, to be multiplied with the same `other` again, whose error it therefore does not take over;
@@ -429,6 +424,17 @@ impl fmt::Display for Number {
                 if denominator == 1 { Ok(()) } else { write!(f, "/{denominator}") }
             }
         }
+    }
+}
+
+/// What error a function's value has, of the same over magnified errors: to first order errors of numbers of 100 bits
+/// are those of doubles, but smaller. Next to a pole that is not so, and the digits are all unknown.
+fn error_beside(value: DoubleDouble, magnified: Rounded) -> f64 {
+    // By more than any mathematical library is off, so that every machine decides alike.
+    if (value.high - magnified.value).abs() > 16.0 * magnified.error {
+        value.high.abs() / 2.0
+    } else {
+        magnified.error * (DoubleDouble::UNIT / f64::EPSILON)
     }
 }
 

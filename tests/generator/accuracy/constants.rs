@@ -107,6 +107,10 @@ fn random_constants_are_rounded_once() {
             // Subnormal doubles have no value over 200 bits: `from_f64` takes them for twice as much.
             let is_zero_or_normal = |value: f64| value == 0.0 || value.is_normal();
             for (number, exact) in values.into_iter().filter(|(number, _)| is_zero_or_normal(number.to_f64())) {
+                // Next to a pole nothing is known, nor of what is made of it.
+                if exact.to_f64().abs() > 1e28 {
+                    break;
+                }
                 let (value, error) = (number.to_f64(), Exact::constant(number.to_f64()).distance(exact));
                 let unit = value.abs().next_up() - value.abs();
                 if matches!(number, Number::Exact { .. }) {
