@@ -17,4 +17,4 @@ if [ -z "${GLTF_VALIDATOR:-}" ]; then
     echo "skipped: animations in the validator, there is no npm or no network"
 fi
 export GLTF_VALIDATOR
-node --test --test-concurrency=1 --test-reporter=spec ./*.test.mjs
+node --test --test-reporter=spec ./*.test.mjs
