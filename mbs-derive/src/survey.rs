@@ -47,6 +47,9 @@ mod tests {
     #[test]
     fn parts_built_in_a_file_to_be_imported_are_reported() {
         let (errors, _) = Sources::new("shared.mbs", "const a: 1 = 2; bob one(a);").surveyed();
-        assert_eq!(errors.iter().next().map(|error| error.message.as_str()), Some("`bob` stands in a file without a mechanism"));
+        assert_eq!(
+            errors.iter().next().map(|error| error.message.as_str()),
+            Some("`bob` stands in a file without a mechanism")
+        );
     }
 }
