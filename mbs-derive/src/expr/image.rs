@@ -26,6 +26,8 @@
 
 mod solve;
 
+use std::f64::consts::PI;
+
 use super::element::Element;
 use super::evaluate::{Solutions, Value, operators};
 use super::field::{FIELDS, Prime, inverse, mixed, negative_of, product, sum};
@@ -285,22 +287,21 @@ impl<const K: usize> Value for Image<K> {
 
     fn number(number: Number) -> Self {
         let short = |n: i128| i64::try_from(n).ok().filter(|n| *n != i64::MIN);
-        let image = match number {
+        match number {
             Number::Exact { numerator, denominator, pi } => match (short(numerator), short(denominator), pi) {
                 (Some(numerator), Some(denominator), 0) => Self::rational(Ratio { numerator, denominator }),
                 (Some(numerator), Some(denominator), 1) => {
                     let ratio = Ratio { numerator, denominator };
-                    let value = Self::rational(ratio).mul(Self::opaque(Self::pi())).value;
-                    Image { form: Form::Turn(ratio), ..Self::opaque(value) }
+                    let pi = Self::of_constant(Self::pi(), PI);
+                    Image { form: Form::Turn(ratio), ..Self::rational(ratio).mul(pi) }
                 }
                 _ => {
-                    let pi = Self::of_constant(Self::pi(), f64::NAN).power(2 * i32::from(pi));
+                    let pi = Self::of_constant(Self::pi(), PI).power(2 * i32::from(pi));
                     Self::long(numerator).div(Self::long(denominator)).mul(pi)
                 }
             },
-            Number::Real { images, .. } => Self::of_constant(images[K], f64::NAN),
-        };
-        image.beside(number.to_f64())
+            Number::Real { value, images, .. } => Self::of_constant(images[K], value),
+        }
     }
 
     fn neg(self) -> Self {
