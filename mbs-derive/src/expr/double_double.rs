@@ -135,19 +135,20 @@ impl DoubleDouble {
         near.add(rest.sub(rest.mul(rest).div(Self::of(2.0))))
     }
 
-    /// Sine and cosine, in doubles where an angle of 100 bits leaves no more.
+    /// Sine and cosine.
     fn sin_cos(self) -> [Self; 2] {
         const RIGHT_ANGLE: [f64; 3] =
             [std::f64::consts::FRAC_PI_2, 6.123_233_995_736_766e-17, -1.497_384_904_859_169_8e-33];
-        if self.high.abs() > 1e15 {
-            return [libm::sin(self.high), libm::cos(self.high)].map(Self::of);
+        let (mut x, mut quarters) = (self, 0.0);
+        // The number of right angles in a large angle is rounded itself: what that leaves is large, and reduced again.
+        while x.high.abs() > 0.8 {
+            let k = libm::round(x.high / RIGHT_ANGLE[0]);
+            (x, quarters) = (x.without(k, RIGHT_ANGLE), quarters + libm::fmod(k, 4.0));
         }
-        let k = libm::round(self.high / RIGHT_ANGLE[0]);
-        let x = self.without(k, RIGHT_ANGLE);
         let minus_square = x.mul(x).neg();
         let sin = Self::series(x, minus_square, |k| 2.0 * k * (2.0 * k + 1.0));
         let cos = Self::series(Self::ONE, minus_square, |k| 2.0 * k * (2.0 * k - 1.0));
-        match (k as i64).rem_euclid(4) {
+        match (quarters as i64).rem_euclid(4) {
             0 => [sin, cos],
             1 => [cos, sin.neg()],
             2 => [sin.neg(), cos.neg()],
@@ -301,6 +302,19 @@ mod tests {
         is(DoubleDouble::of(2.0).sqrt(), "1.414213562373095048801688724209698079");
         is(one.sin_cos()[0], "0.841470984807896506652502321630298999");
         is(one.call(Function::Atan).mul(DoubleDouble::of(4.0)), "3.141592653589793238462643383279502884");
+    }
+
+    /// The tangent, and what the second part of a large angle does to it, by mpmath 1.3 with 60 digits.
+    #[test]
+    fn large_angles_are_reduced_with_both_parts() {
+        let angle = DoubleDouble { high: 3.857_537_770_932_99e16, low: 1.613_546_770_441_779_2 };
+        let [sin, cos] = angle.sin_cos();
+        let found = sin.div(cos).high;
+        assert!((found + 0.106_397_360_860_925_96).abs() < 1e-16, "{found}");
+        let [sin, cos] = DoubleDouble::of(1e22).sin_cos();
+        assert!((sin.high + 0.852_200_849_767_188_8).abs() < 2e-16, "{sin:?}");
+        assert!(sin.mul(sin).add(cos.mul(cos)).sub(DoubleDouble::ONE).high.abs() < 1e-27);
+        assert!(DoubleDouble::of(f64::INFINITY).sin_cos()[0].high.is_nan());
     }
 
     #[test]
