@@ -22,8 +22,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A small text is answered within this time.
 const HASTE: Duration = Duration::from_secs(5);
 
-/// This many texts are drawn, unless `MBS_CASES` says how many.
-fn cases(usual: u32) -> u32 {
+/// This many cases are drawn, unless `MBS_CASES` says how many.
+pub(crate) fn cases(usual: u32) -> u32 {
     std::env::var("MBS_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(usual)
 }
 

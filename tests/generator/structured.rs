@@ -199,10 +199,10 @@ fn every_route_of_random_trees_is_proved() {
     for_random_trees(12, every_route_of_a_tree_is_proved);
 }
 
-/// The seed is fixed, so that every run draws the same trees.
+/// The seed is fixed, so that every run draws the same trees; `MBS_CASES` says how many.
 fn for_random_trees(cases: u32, check: fn(DeclaredTree) -> TestCaseResult) {
     let config = Config {
-        cases,
+        cases: crate::robustness::cases(cases),
         rng_seed: RngSeed::Fixed(4),
         failure_persistence: None,
         max_shrink_iters: 300,

@@ -291,7 +291,7 @@ impl Frame<'_> {
         }
     }
 
-    /// The arguments of a function that are there: of no inputs there are none.
+    /// The arguments that a function has; without inputs it has none of them.
     fn taken(&self, function: &Function) -> Vec<Argument> {
         let is_there = |argument: &Argument| *argument != Argument::U || self.count(*argument) > 0;
         function.arguments.iter().copied().filter(is_there).collect()

@@ -370,7 +370,7 @@ impl<'r> Reader<'r> {
     fn sines_and_cosines(&mut self, angles: &[Meaning]) -> Reading<[Vec<Meaning>; 2]> {
         let [mut sines, mut cosines] = [Vec::new(), Vec::new()];
         for angle in angles {
-            let Meaning::Number(angle) = angle else { return Err("an angle is no number".to_string()) };
+            let Meaning::Number(angle) = angle else { return Err("an angle is not a number".to_string()) };
             sines.push(Meaning::Number(self.numbering.call(Function::Sin, *angle)));
             cosines.push(Meaning::Number(self.numbering.call(Function::Cos, *angle)));
         }

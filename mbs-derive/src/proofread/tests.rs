@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::*;
 use crate::Analysis;
@@ -69,22 +69,6 @@ fn what_is_emitted_is_the_programs() {
     ];
     for derivation in QUICK.iter().filter_map(|name| derivation(name)) {
         options.iter().for_each(|options| check(&derivation, options));
-    }
-}
-
-/// Every mechanism that there is beside the package: some minutes without optimisation.
-#[test]
-#[ignore = "takes minutes; build scripts and the command line do the same"]
-fn what_is_emitted_is_the_programs_of_every_mechanism() {
-    let folders = ["models/mechanisms", "models/mechanisms/elastic", "models/mechanisms/sensors", "tests/mechanisms"];
-    let files = folders.iter().flat_map(|folder| std::fs::read_dir(Path::new("..").join(folder)).expect("a folder"));
-    let mut files: Vec<PathBuf> = files.map(|file| file.expect("a file").path()).collect();
-    files.retain(|path| path.extension().is_some_and(|extension| extension == "mbs"));
-    files.sort();
-    assert!(files.len() > 50);
-    for path in files {
-        let text = std::fs::read_to_string(&path).expect("a text");
-        check(&derived(&path, text), &Options::default());
     }
 }
 

@@ -139,7 +139,7 @@ fn rewritten(random: &mut Random, text: &str) -> String {
     parts.concat()
 }
 
-/// Numbers that overflow something, vanish, or are none.
+/// Numbers that overflow something, vanish, or are NaN.
 const HUGE: [&str; 16] = [
     "1e308",
     "1e309",

@@ -35,7 +35,7 @@ const COORDINATES: usize = 2;
 /// Expressions that are compared with the text again and proved have at most this many bytes.
 const BYTES: usize = 4096;
 
-/// The text of bytes, or nothing where the report that they are none is as it should be.
+/// The text that bytes are, or nothing where they are not UTF-8 and the report of that is as it should be.
 fn text(bytes: &[u8]) -> Result<Option<String>, String> {
     match parse::text(NAME, bytes.to_vec()) {
         Ok(text) => Ok(Some(text)),

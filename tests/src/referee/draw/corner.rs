@@ -81,7 +81,7 @@ const CORNERS: [&str; 36] = [
     "(max(#, 0)^2 + min(@, 0)^2)/(1 + abs(#))",
 ];
 
-/// Sides that are no number where they are not taken.
+/// Sides that are NaN where they are not taken.
 const GUARDED: [&str; 6] = [
     "(if # > 0.2 { sqrt(#) } else { @ })",
     "(if # > 0.2 { 1/(#) } else { @ })",
