@@ -6,7 +6,7 @@
 
 mod entry;
 
-use crate::equations::Equations;
+use crate::equations::{Equations, Route};
 use crate::shape::Shape;
 
 pub(crate) use entry::{About, Claim, Entry, Roots, Trait};
@@ -174,12 +174,18 @@ catalogue! {
             arguments: &[Q, Qd, U],
             roots: |e, _| {
                 let forward = &e.forward_dynamics;
-                let values = forward.unrolled.as_ref().unwrap_or(&forward.right_side);
-                Roots::of(Shape::Vector(e.symbols.q.len()), values.clone())?.solved_by(forward)
+                match &forward.unrolled {
+                    Some(accelerations) => Roots::accelerations(accelerations),
+                    None => {
+                        Roots::of(Shape::Vector(e.symbols.q.len()), forward.right_side.clone())?.solved_by(forward)
+                    }
+                }
             },
             doc: |about| match about.is_constrained() {
                 false => format!(
-                    "Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {}, by `M = L D Lᵀ`.", about.shape
+                    "Accelerations `q̈ = M⁻¹ (Q − C q̇ − G − ∂D/∂q̇)`, {}, by {}.",
+                    about.shape,
+                    if about.route == Route::Articulated { "articulated bodies" } else { "`M = L D Lᵀ`" }
                 ),
                 true => format!(
                     "Accelerations `q̈` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ` and `A q̈ + γ = 0`, {}, by the runtime's \

@@ -11,7 +11,8 @@
 //! - `textbook`: the same in multiple-angle normal form, for small mechanisms;
 //! - `lift` and `gravity`: bodies and the field they are in, found again among the energies; `tree`: the same equations
 //!   by sweeps over their tree (`docs/structured.md`);
-//! - `solve`: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time;
+//! - `solve`: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time; for
+//!   long chains articulated bodies, which are among the sweeps;
 //! - `linearize`: Jacobians of the equations of motion;
 //! - `constraint`: what must vanish, its Jacobian and its bias;
 //! - `conserved`: cyclic coordinates and the energy integral;
@@ -68,7 +69,7 @@ impl Route {
     fn form(self, kept: &Kept) -> Form<'_> {
         match self {
             Route::Textbook | Route::MultipliedOut => Form::Textbook(kept),
-            Route::Plain | Route::Structured | Route::Ungrouped => Form::AsDerived,
+            Route::Plain | Route::Structured | Route::Articulated | Route::Ungrouped => Form::AsDerived,
         }
     }
 }
@@ -82,9 +83,11 @@ pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<E
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
 }
 
-/// The equations by every route, those that are there for comparison only included.
+/// The equations by every route, those that are there for comparison only included; accelerations by articulated bodies
+/// are among the structured ones.
 pub(crate) fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
-    derived_by(lagrangian, graph, &Route::ALL)
+    let routes = Route::ALL.into_iter().filter(|&route| route != Route::Articulated);
+    derived_by(lagrangian, graph, &routes.collect::<Vec<_>>())
 }
 
 pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
@@ -102,12 +105,14 @@ pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, rout
     let kept = |route: Route| match route {
         Route::MultipliedOut => vec![&nothing],
         Route::Textbook => std::iter::once(&kept).chain(&turned).collect(),
-        Route::Plain | Route::Structured | Route::Ungrouped => vec![&kept],
+        Route::Plain | Route::Structured | Route::Articulated | Route::Ungrouped => vec![&kept],
     };
     let by = |route: Route, kept: &Kept| match route {
         Route::Plain => plain.clone(),
         Route::Textbook | Route::MultipliedOut => textbook::normal_form(plain.as_ref()?, kept),
         Route::Structured => by_bodies(Masses::Regrouped),
+        Route::Articulated => by_bodies(Masses::Regrouped)
+            .filter(|lagrange| lagrangian.constraints.is_empty() && lagrange.accelerations.is_some()),
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
@@ -149,6 +154,10 @@ impl<'g> Mechanism<'_, '_, 'g> {
         let &Mechanism { lagrangian, symbols, energies, ref constraints, ref exact, ref outputs } = self;
         let form = route.form(kept);
         let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
+        let forward_dynamics = match route {
+            Route::Articulated => forward_dynamics.by_articulated_bodies(),
+            _ => forward_dynamics,
+        };
         let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
         let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
         let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, constraints, symbols);

@@ -33,6 +33,8 @@ pub enum Route {
     Textbook,
     /// Bodies on their tree of frames by sweeps, all else plainly.
     Structured,
+    /// By sweeps, accelerations too: by articulated bodies instead of a factorization of M.
+    Articulated,
     /// By sweeps, every mass left where it was declared; for comparison.
     Ungrouped,
     /// As in a textbook with all sums multiplied out, whatever digits that costs; for comparison.
@@ -41,8 +43,8 @@ pub enum Route {
 
 impl Route {
     /// All of them, in this order: of equal costs the first one counts.
-    pub const ALL: [Route; 5] =
-        [Route::Plain, Route::Textbook, Route::Structured, Route::Ungrouped, Route::MultipliedOut];
+    pub const ALL: [Route; 6] =
+        [Route::Plain, Route::Textbook, Route::Structured, Route::Articulated, Route::Ungrouped, Route::MultipliedOut];
 }
 
 impl fmt::Display for Route {
@@ -51,6 +53,7 @@ impl fmt::Display for Route {
             Route::Plain => "plain",
             Route::Textbook => "textbook",
             Route::Structured => "structured",
+            Route::Articulated => "articulated",
             Route::Ungrouped => "ungrouped",
             Route::MultipliedOut => "multiplied out",
         })
@@ -111,6 +114,8 @@ pub(crate) struct Lagrange<'g> {
     pub free_force: Vec<Expr<'g>>,
     /// `∂L/∂q`, which vanishes where the coordinate is cyclic.
     pub position_gradient: Vec<Expr<'g>>,
+    /// q̈ without a mass matrix and without constraints, where a sweep gives it.
+    pub accelerations: Option<Vec<Expr<'g>>>,
 }
 
 /// How accelerations are found.
@@ -122,10 +127,12 @@ pub(crate) struct ForwardDynamics<'g> {
     pub jacobian: Rows<'g>,
     /// `Q − h − ∂D/∂q̇`, then −γ.
     pub right_side: Vec<Expr<'g>>,
-    /// q̈, where the factorization is unrolled.
+    /// q̈, where the factorization is unrolled or none is needed.
     pub unrolled: Option<Vec<Expr<'g>>>,
     /// That factorization.
     pub factorization: Option<Factorization<'g>>,
+    /// q̈ by articulated bodies, where that is another way.
+    pub articulated: Option<Vec<Expr<'g>>>,
 }
 
 /// `M = L D Lᵀ` with unit lower triangular L, rows and columns in the order of elimination.

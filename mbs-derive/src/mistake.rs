@@ -36,7 +36,7 @@ mod tests {
     }
 
     /// Texts in which rules are.
-    const RULES: [&str; 17] = [
+    const RULES: [&str; 18] = [
         include_str!("expr/function.rs"),
         include_str!("expr/tangent.rs"),
         include_str!("expr/adjoint.rs"),
@@ -54,11 +54,21 @@ mod tests {
         include_str!("derive/tree/inertia.rs"),
         include_str!("derive/tree/coriolis.rs"),
         include_str!("derive/tree/composite.rs"),
+        include_str!("derive/tree/articulated.rs"),
     ];
 
     /// Mechanisms in which the rules are needed.
     fn mechanisms() -> Vec<Sources> {
         let inline = [
+            // Accelerations of so many joints are those of articulated bodies.
+            "mechanism Rope {
+                param m: 1 = 2; coord q[9]: 1;
+                let mut link = world;
+                for i in 0..9 {
+                    link = link*rotation([2/3, 1/3, 2/3], q[i])*translation([1, 0, 1/4]);
+                    kinetic += rigid_body(m, [1/3, 1/7, 0], inertia(1, 2, 2), link); potential += m*link.origin().z;
+                }
+            }",
             "mechanism Functions {
                 param a: 1 = 1.3; param m: 1 = 2; coord x: 1; coord y: 1;
                 kinetic += m*(1 + tan(x/3)^2)*dt(x)^2/2 + (2 + sin(y) + cosh(x)^3)*dt(y)^2/2 + tanh(y)*dt(x)*dt(y)/5

@@ -191,9 +191,13 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
 /// to round alike, where a coordinate has 1e-8 of the inertia of another.
 fn ways<'e, 'g>(routes: &'e [Equations<'g>]) -> Vec<Vec<Way<'e, 'g>>> {
     let functions = |equations| catalogue::functions(equations).into_iter();
-    let way = |equations, (kind, roots)| Way { kind, roots, equations };
-    let by = |equations| functions(equations).map(|function| way(equations, function)).collect();
-    let mut ways: Vec<Vec<Way<'e, 'g>>> = routes.iter().map(by).collect();
+    let way = |equations: &'e Equations<'g>, (kind, roots)| Way { kind, roots, equations, route: equations.route };
+    let articulated = |equations: &'e Equations<'g>| {
+        let roots = Roots::accelerations(equations.forward_dynamics.articulated.as_ref()?)?;
+        Some(Way { kind: FunctionKind::ForwardDynamics, roots, equations, route: Route::Articulated })
+    };
+    let by = |equations| functions(equations).map(|function| way(equations, function)).chain(articulated(equations));
+    let mut ways: Vec<Vec<Way<'e, 'g>>> = routes.iter().map(|equations| by(equations).collect()).collect();
     let simplified = ways.iter_mut().flatten().map(|way| &mut way.roots).filter(|roots| !roots.is_solved);
     let mut roots: Vec<&mut Expr<'g>> = simplified.flat_map(|roots| &mut roots.values).collect();
     let all: Vec<Expr<'g>> = roots.iter().map(|root| **root).collect();
@@ -269,6 +273,7 @@ struct Way<'e, 'g> {
     kind: FunctionKind,
     roots: Roots<'g>,
     equations: &'e Equations<'g>,
+    route: Route,
 }
 
 impl Way<'_, '_> {
@@ -293,7 +298,7 @@ impl Way<'_, '_> {
     fn into_function(self, hoisting: &Hoisting) -> Function {
         let program = lower::program(&self.roots.values, hoisting);
         let operations = self.completed(cost::operations(&program));
-        let Way { kind, roots, equations } = self;
+        let Way { kind, roots, equations, route } = self;
         Function {
             name: kind.full_name(equations),
             kind,
@@ -302,26 +307,25 @@ impl Way<'_, '_> {
             program,
             completion: roots.completion,
             operations,
-            route: equations.route,
+            route,
         }
     }
 }
 
 /// The cheapest of several ways to compute each function; the first wins a draw.
 fn cheapest<'e, 'g>(ways: Vec<Vec<Way<'e, 'g>>>, forms: &mut Forms) -> Vec<Way<'e, 'g>> {
-    let only_one = ways.len() == 1;
-    let mut best: Vec<(usize, Way<'e, 'g>)> = Vec::new();
-    for functions in ways {
-        for (i, way) in functions.into_iter().enumerate() {
-            let cost = if only_one { 0 } else { way.cost(forms).weight() };
-            match best.get_mut(i) {
-                Some(one) if cost < one.0 => *one = (cost, way),
-                Some(_) => {}
-                None => best.push((cost, way)),
-            }
+    let mut by_function: Vec<Vec<Way<'e, 'g>>> = Vec::new();
+    for way in ways.into_iter().flatten() {
+        match by_function.iter_mut().find(|known| known[0].kind == way.kind) {
+            Some(known) => known.push(way),
+            None => by_function.push(vec![way]),
         }
     }
-    best.into_iter().map(|(_, way)| way).collect()
+    let mut cheapest = |ways: Vec<Way<'e, 'g>>| match ways.len() {
+        1 => ways.into_iter().next(),
+        _ => ways.into_iter().min_by_key(|way| way.cost(forms).weight()),
+    };
+    by_function.into_iter().filter_map(|ways| cheapest(ways)).collect()
 }
 
 /// The programs by one route, for each way that it can go; none where it leads nowhere. Not proved.
@@ -345,19 +349,18 @@ pub fn by_route(lagrangian: &Lagrangian<'_>, route: Route) -> Vec<Derivation> {
 /// several ways by the cheapest.
 pub(crate) fn compared(routes: &[Equations<'_>]) -> Vec<Vec<(Route, Operations)>> {
     let mut forms = Forms::default();
-    let ways = ways(routes);
-    let mut costs = |functions: &[Way<'_, '_>]| functions.iter().map(|way| way.cost(&mut forms)).collect();
-    let by_route: Vec<Vec<Operations>> = ways.iter().map(|functions| costs(functions)).collect();
-    let function = |i: usize| {
-        let mut all: Vec<(Route, Operations)> = Vec::new();
-        for (route, costs) in routes.iter().zip(&by_route) {
-            match all.iter_mut().find(|(known, _)| *known == route.route) {
-                Some((_, known)) if known.weight() <= costs[i].weight() => {}
-                Some((_, known)) => *known = costs[i],
-                None => all.push((route.route, costs[i])),
-            }
+    let mut all: Vec<(FunctionKind, Vec<(Route, Operations)>)> = Vec::new();
+    for way in ways(routes).iter().flatten() {
+        let cost = way.cost(&mut forms);
+        let Some((_, costs)) = all.iter_mut().find(|(kind, _)| *kind == way.kind) else {
+            all.push((way.kind, vec![(way.route, cost)]));
+            continue;
+        };
+        match costs.iter_mut().find(|(route, _)| *route == way.route) {
+            Some((_, known)) if known.weight() <= cost.weight() => {}
+            Some((_, known)) => *known = cost,
+            None => costs.push((way.route, cost)),
         }
-        all
-    };
-    (0..by_route.first().map_or(0, Vec::len)).map(function).collect()
+    }
+    all.into_iter().map(|(_, costs)| costs).collect()
 }

@@ -40,7 +40,8 @@ impl Explanation {
 
     /// As a table of additions and multiplications, and what it says.
     pub(crate) fn table(&self) -> String {
-        let routes: Vec<Route> = self.functions.first().map_or(Vec::new(), |f| f.2.iter().map(|(r, _)| *r).collect());
+        let is_taken = |route: &Route| self.functions.iter().any(|f| f.2.iter().any(|(known, _)| known == route));
+        let routes: Vec<Route> = Route::ALL.into_iter().filter(is_taken).collect();
         let is_shown = |route: &Route| !matches!(route, Route::Ungrouped | Route::MultipliedOut);
         let shown: Vec<Route> = routes.iter().copied().filter(is_shown).collect();
         let mut header = vec!["function".to_string(), "route".to_string()];
@@ -56,7 +57,7 @@ impl Explanation {
             let (name, route, costs) = function;
             let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
             let mut row = vec![name.clone(), route.to_string()];
-            row.extend(shown.iter().filter_map(|route| flops(*route)).map(|flops| flops.to_string()));
+            row.extend(shown.iter().map(|route| flops(*route).map_or(String::new(), |flops| flops.to_string())));
             if let (Some(with), Some(without)) = (flops(Route::Structured), flops(Route::Ungrouped)) {
                 row.push((without as i64 - with as i64).to_string());
             }

@@ -1,6 +1,6 @@
 //! What an entry says of a function.
 
-use crate::equations::{Equations, ForwardDynamics, Rows};
+use crate::equations::{Equations, ForwardDynamics, Route, Rows};
 use crate::expr::{Expr, Node, Symbol};
 use crate::shape::{ResultPart, Shape};
 
@@ -210,6 +210,11 @@ impl<'g> Roots<'g> {
         Self::of(Shape::Vector(values.len()), values.to_vec())
     }
 
+    /// q̈, of which nothing is left to be solved.
+    pub(crate) fn accelerations(values: &[Expr<'g>]) -> Option<Self> {
+        Self::vector(values).map(|roots| Roots { is_solved: true, ..roots })
+    }
+
     /// Rows of this length.
     pub(crate) fn matrix(rows: &Rows<'g>, columns: usize) -> Option<Self> {
         Self::of(Shape::Matrix(rows.len(), columns), rows.concat())
@@ -217,7 +222,7 @@ impl<'g> Roots<'g> {
 
     /// The derivatives of a solution, which is found with `self` as right sides: with the system before them.
     pub(crate) fn solved_by(self, forward: &ForwardDynamics<'g>) -> Option<Self> {
-        let completion = match (&forward.unrolled, forward.jacobian.len()) {
+        let completion = match (&forward.factorization, forward.jacobian.len()) {
             (Some(_), _) => Completion::None,
             (None, 0) => Completion::Solve,
             (None, _) => Completion::SolveConstrained,
@@ -259,6 +264,7 @@ pub(crate) struct About<'a> {
     pub of: &'a str,
     /// Of what it returns first.
     pub shape: Shape,
+    pub route: Route,
     pub arguments: &'a [Argument],
     pub parameters: Vec<String>,
     /// The rows of the constraints.

@@ -33,6 +33,7 @@ pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagra
         mass_matrix,
         dissipation_force,
         position_gradient,
+        accelerations: None,
     }
 }
 

@@ -30,7 +30,18 @@ pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constr
     let is_unrolled = jacobian.is_empty() && mass_matrix.len() <= LARGEST_UNROLLED;
     let factorization = is_unrolled.then(|| Factorization::new(&mass_matrix));
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
-    ForwardDynamics { mass_matrix, jacobian, right_side, unrolled, factorization }
+    let articulated = lagrange.accelerations.clone().filter(|_| jacobian.is_empty());
+    ForwardDynamics { mass_matrix, jacobian, right_side, unrolled, factorization, articulated }
+}
+
+impl ForwardDynamics<'_> {
+    /// Without a factorization, where articulated bodies give the accelerations.
+    pub(crate) fn by_articulated_bodies(mut self) -> Self {
+        if self.articulated.is_some() {
+            (self.unrolled, self.factorization) = (self.articulated.take(), None);
+        }
+        self
+    }
 }
 
 impl<'g> Factorization<'g> {

@@ -78,6 +78,7 @@ pub(crate) fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagra
         generalized_force,
         inverse_dynamics,
         position_gradient: list(&plain.position_gradient),
+        accelerations: None,
     })
 }
 

@@ -13,10 +13,12 @@
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
 //! - `force_element`: springs and dampers between points, likewise;
 //! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix;
+//! - `articulated`: accelerations without a mass matrix, for long chains;
 //! - `notation`: what all these are called in generated code.
 //!
 //! What is no body is derived plainly and added.
 
+mod articulated;
 mod composite;
 mod coriolis;
 pub(super) mod force_element;
@@ -92,6 +94,7 @@ pub(super) fn equations<'g>(
         generalized_force: cheaper(energies.forces.clone(), add(&tree.applied_forces(), &rest.generalized_force)),
         residual,
         free_force,
+        accelerations: tree.accelerations(rest),
     }
 }
 
@@ -204,6 +207,29 @@ impl<'g> Tree<'g> {
     /// Q of the loads.
     fn applied_forces(&self) -> Vec<Expr<'g>> {
         self.swept_back(self.applied())
+    }
+
+    /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing else has inertia.
+    fn accelerations(&self, rest: &Lagrange<'g>) -> Option<Vec<Expr<'g>>> {
+        let one = self.gravity.0[0].graph().integer(1);
+        let coordinate = |slope: &Vec<Expr<'g>>| {
+            let moved: Vec<usize> = (0..slope.len()).filter(|&k| !slope[k].is_zero()).collect();
+            <[usize; 1]>::try_from(moved).ok().map(|[k]| k).filter(|&k| slope[k] == one)
+        };
+        let coordinates: Vec<usize> = self.joint_jacobian.iter().map(coordinate).collect::<Option<_>>()?;
+        let is_moved = |k: usize| coordinates.iter().filter(|&&other| other == k).count() == 1;
+        if !(0..self.coordinates).all(is_moved) || !rest.mass_matrix.iter().flatten().all(|entry| entry.is_zero()) {
+            return None;
+        }
+        let mut forces = vec![None; self.linkage.links.len()];
+        for (&link, &k) in self.moving.iter().zip(&coordinates) {
+            forces[link] = Some(rest.free_force[k]);
+        }
+        let wrenches = less(self.resisted(self.inertial(Accelerations::Zero)), self.applied());
+        let found = articulated::accelerations(&self.linkage, &self.inertias, wrenches, &forces);
+        let of =
+            |k: usize| coordinates.iter().position(|&other| other == k).and_then(|joint| found[self.moving[joint]]);
+        (0..self.coordinates).map(of).collect()
     }
 
     fn inertial(&self, accelerations: Accelerations) -> Vec<Wrench<'g>> {

@@ -75,7 +75,7 @@ pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> 
 const KEY_TO_LOCALS: &str = "Locals with the number j of a joint, from 1 at the base, are of the link behind it, in its axes, about its origin:";
 
 /// What `derive/tree/notation.rs` calls what is on the way to results: names without the number and axes, and the line.
-const KEY: [(&[&str], &str); 8] = [
+const KEY: [(&[&str], &str); 10] = [
     (&["w", "v"], "`wjx`, `vjx`: angular velocity, velocity of the origin"),
     (&["wd", "a"], "`wdjx`, `ajx`: their rates, the latter less gravity"),
     (&["u"], "`ujxy`: entry of U = [ω̇]× + [ω]×[ω]×, by which points of the link accelerate"),
@@ -88,6 +88,14 @@ const KEY: [(&[&str], &str); 8] = [
         "`mcj`, `hcjx`, `scjxy`: mass, first and second moments of all behind the joint, as one body",
     ),
     (&["pc", "lc"], "`pcjxy`, `lcjx`: moments and momentum of what moves within that body"),
+    (
+        &["ma", "ha", "ja", "fa", "na"],
+        "`majxy`, `hajxy`, `jajxy`, `fajx`, `najx`: how all behind the joint resists, further joints free: M, H, J of `f = M a + H α + fa`, `n = Hᵀ a + J α + na`",
+    ),
+    (
+        &["fu", "nu", "fd", "nd", "e", "ed", "wda", "aa"],
+        "`fujx`, `nujx`: its resistance U to the joint, `fdjx`, `ndjx`: U/D, D that along the joint; `ej`, `edj`: what drives the joint, over D; `wdajx`, `aajx`: α, a, what q̈ adds",
+    ),
     (
         &["mr", "hr", "sr"],
         "`mrj`, `hrjx`, `srjxy`: mass and moments regrouped: what the joint does not feel is moved to the link before",
@@ -219,6 +227,7 @@ fn about<'a>(derivation: &'a Derivation, function: &'a Function) -> About<'a> {
     About {
         of: function.name.strip_suffix(kind.name()).unwrap_or(&function.name),
         shape: function.results[0].shape,
+        route: function.route,
         arguments: &function.arguments,
         parameters: component_names(&derivation.parameters),
         constraints: &derivation.constraints,

@@ -25,10 +25,14 @@ impl<'g> Symmetric<'g> {
         Symmetric { diagonal: [zero; 3], products: [zero; 3] }
     }
 
+    /// With this entry in row `i`, column `j`.
+    pub(crate) fn from_fn(entry: impl Fn(usize, usize) -> Expr<'g>) -> Self {
+        Symmetric { diagonal: [0, 1, 2].map(|i| entry(i, i)), products: [entry(1, 2), entry(2, 0), entry(0, 1)] }
+    }
+
     /// The symmetric part that a symmetric matrix is.
     pub(crate) fn of(matrix: &Matrix<'g>) -> Self {
-        let rows = &matrix.0;
-        Symmetric { diagonal: [0, 1, 2].map(|i| rows[i][i]), products: [rows[1][2], rows[2][0], rows[0][1]] }
+        Self::from_fn(|i, j| matrix.0[i][j])
     }
 
     /// Entry in row `i`, column `j`.

@@ -84,6 +84,12 @@ impl<'g> Edge<'g> {
         matches!(self, Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. })
     }
 
+    /// The coordinate axis that it slides along.
+    pub(super) fn slides_along(&self) -> Option<usize> {
+        let Edge::Slide { direction, .. } = self else { return None };
+        (0..3).find(|&axis| (0..3).all(|other| other == axis || direction.0[other].is_zero()))
+    }
+
     /// A turn about a coordinate axis, axes and all.
     pub(super) fn revolute(axis: usize, angle: Expr<'g>) -> Self {
         Edge::Revolute { axis, angle, sin: angle.sin(), cos: angle.cos() }
