@@ -276,8 +276,8 @@ fn chain(n: usize) -> (Derivation, f64) {
     (derivation, analysis.nodes() as f64)
 }
 
-/// Each further link costs the same in the equations of motion and in accelerations, and in M, and in the work of deriving it, as much more
-/// as there are links before it.
+/// Each further link costs the same in the equations of motion and in accelerations, and in M, and in the work of
+/// deriving it, as much more as there are links before it.
 #[test]
 fn a_chain_grows_linearly() {
     let [five, ten, twenty, forty] = [5, 10, 20, 40].map(chain);

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Here (α, a) is what the accelerations q̈ of the joints add to the motion with `q̈ = 0`, which is swept already, and
-//! (p, m) the wrench that this motion takes, less the loads. A joint with the unit motion s takes the momentum `U = (M, H,
-//! J) s`; with `D = s·U` and the force τ along it
+//! (p, m) the wrench that this motion takes, less the loads. A joint with the unit motion s takes the momentum
+//! `U = (M, H, J) s`; with `D = s·U` and the force τ along it
 //!
 //! ```text
 //! u = τ − s·(p, m)     q̈ = (u − U·(α, a))/D     (M, H, J)' = (M, H, J) − U Uᵀ/D     (p, m)' = (p, m) + U u/D
@@ -284,8 +284,8 @@ impl<'g> Added<'g> {
 
 /// `R A Rᵀ` for the rotation by an angle with this sine and cosine about a coordinate axis.
 ///
-/// In the plane of x and y, with `u = s (Axx − Ayy) + c (Axy + Ayx)`: `Axx − s u`, `c u − Ayx`, `c u − Axy`, `Ayy + s u`:
-/// what is skew stays.
+/// In the plane of x and y, with `u = s (Axx − Ayy) + c (Axy + Ayx)`: `Axx − s u`, `c u − Ayx`, `c u − Axy`,
+/// `Ayy + s u`: what is skew stays.
 fn matrix_turned_about<'g>(a: &Matrix<'g>, axis: usize, s: Expr<'g>, c: Expr<'g>) -> Matrix<'g> {
     let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
     let a = &a.0;
@@ -312,8 +312,8 @@ mod tests {
     use super::*;
     use crate::expr::{Graph, Symbol};
 
-    /// Turns, a shift and slides, one of them skew, on two branches: `M q̈` with M by composite bodies is the force less
-    /// what the wrenches do along the joints.
+    /// Turns, a shift and slides, one of them skew, on two branches: `M q̈` with M by composite bodies is the force
+    /// less what the wrenches do along the joints.
     #[test]
     fn accelerations_solve_the_equations_with_the_mass_matrix() {
         let graph = Graph::new();
