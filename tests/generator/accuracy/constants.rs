@@ -146,3 +146,121 @@ fn multiples_of_pi_are_rounded_once() {
         });
     }
 }
+
+/// The coefficients of tables, by the textbook's formulas over 200 bits: of straight lines, of monotone cubics, and of
+/// the natural spline, whose curvatures are eliminated from both ends here.
+#[test]
+fn coefficients_of_tables_are_rounded_once() {
+    let mut random = Random::new(0x7461_626c_6573);
+    let mut worst = 0.0_f64;
+    for (kind, tangents) in [
+        ("table", None),
+        ("table_monotone", Some(monotone_tangents as fn(&[Exact], &[Exact]) -> Vec<Exact>)),
+        ("table_spline", Some(spline_tangents)),
+    ] {
+        for _ in 0..20 {
+            forgetting(|| {
+                let steps: Vec<u64> = (0..9).map(|_| 1 + random.bits() % 700).collect();
+                let places: Vec<f64> = (0..9).map(|k| steps[..=k].iter().sum::<u64>() as f64).collect();
+                let values: Vec<f64> = (0..9).map(|_| (random.bits() % 9000) as f64 - 4500.0).collect();
+                let [xs, ys] = [&places, &values].map(|all| -> Vec<Exact> {
+                    all.iter().map(|&x| Exact::constant(x).div(Exact::constant(1000.0))).collect()
+                });
+                let written = |all: &[f64]| all.iter().map(|x| format!("{x}e-3")).collect::<Vec<_>>().join(", ");
+                let text = format!(
+                    "#![dimensionless]\nmechanism A {{ coord x: 1; kinetic += dt(x)^2/2; \
+                     force x += {kind}(x, [{}], [{}]); }}",
+                    written(&places),
+                    written(&values)
+                );
+                let graph = Graph::verbatim();
+                let (lagrangian, _) =
+                    declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("", &text)));
+                let derivation = derived(&lagrangian);
+                let [spline] = derivation.splines()[..] else { panic!("one table") };
+
+                let h: Vec<Exact> = xs.windows(2).map(|two| two[1].sub(two[0])).collect();
+                let secants: Vec<Exact> = (0..8).map(|k| ys[k + 1].sub(ys[k]).div(h[k])).collect();
+                let slopes = tangents.map(|tangents| tangents(&h, &secants));
+                for k in 0..8 {
+                    let mut expected = vec![xs[k], ys[k]];
+                    match &slopes {
+                        None => expected.push(secants[k]),
+                        Some(slopes) => {
+                            let (a, b, twice) = (slopes[k], slopes[k + 1], secants[k].add(secants[k]));
+                            let squares = twice.add(secants[k]).sub(a.add(a)).sub(b).div(h[k]);
+                            let cubes = a.add(b).sub(twice).div(h[k].mul(h[k]));
+                            expected.extend([a, squares, cubes]);
+                        }
+                    }
+                    let row = &spline.rows()[k + 1];
+                    assert_eq!(row.len(), expected.len(), "{kind}");
+                    for (&found, expected) in row.iter().zip(expected) {
+                        // What is zero is zero.
+                        let off = if found == 0.0 { expected.to_f64().abs() } else { units_off(found, expected) };
+                        assert!(off <= ALLOWED, "{kind}: {found:e} is off by {off} units in the last place");
+                        worst = worst.max(off);
+                    }
+                }
+            });
+        }
+    }
+    println!("the worst is off by {worst}");
+}
+
+/// Of Fritsch and Butland, and at the ends of Moler, as `docs/language.md` has them.
+fn monotone_tangents(h: &[Exact], secants: &[Exact]) -> Vec<Exact> {
+    let three = Exact::constant(3.0);
+    let agree = |a: Exact, b: Exact| a.to_f64().signum() == b.to_f64().signum() && a.to_f64() * b.to_f64() != 0.0;
+    let end = |[h, next]: [Exact; 2], [a, b]: [Exact; 2]| {
+        let tangent = h.add(h).add(next).mul(a).sub(h.mul(b)).div(h.add(next));
+        if !agree(tangent, a) {
+            Exact::constant(0.0)
+        } else if !agree(a, b) && tangent.to_f64().abs() > 3.0 * a.to_f64().abs() {
+            three.mul(a)
+        } else {
+            tangent
+        }
+    };
+    let inner = |k: usize| {
+        let (a, b) = (secants[k - 1], secants[k]);
+        let (v, w) = (h[k].add(h[k]).add(h[k - 1]), h[k].add(h[k - 1]).add(h[k - 1]));
+        if agree(a, b) { v.add(w).div(v.div(a).add(w.div(b))) } else { Exact::constant(0.0) }
+    };
+    let last = h.len() - 1;
+    let ends =
+        [end([h[0], h[1]], [secants[0], secants[1]]), end([h[last], h[last - 1]], [secants[last], secants[last - 1]])];
+    [ends[0]].into_iter().chain((1..=last).map(inner)).chain([ends[1]]).collect()
+}
+
+/// The slopes themselves as unknowns: `k_{i−1}/h_{i−1} + 2 (1/h_{i−1} + 1/h_i) k_i + k_{i+1}/h_i = 3 (δ_{i−1}/h_{i−1} +
+/// δ_i/h_i)`, and at the ends `2 k_0 + k_1 = 3 δ_0`.
+fn spline_tangents(h: &[Exact], secants: &[Exact]) -> Vec<Exact> {
+    let (n, zero, one) = (h.len(), Exact::constant(0.0), Exact::constant(1.0));
+    let (two, three) = (Exact::constant(2.0), Exact::constant(3.0));
+    let mut matrix = vec![vec![zero; n + 1]; n + 1];
+    let mut right = vec![zero; n + 1];
+    for i in 0..=n {
+        for k in [i.checked_sub(1), Some(i)].into_iter().flatten().filter(|&k| k < n) {
+            let other = if k == i { i + 1 } else { k };
+            matrix[i][i] = matrix[i][i].add(two.div(h[k]));
+            matrix[i][other] = one.div(h[k]);
+            right[i] = right[i].add(three.mul(secants[k]).div(h[k]));
+        }
+    }
+    for p in 0..=n {
+        for i in p + 1..=n {
+            let factor = matrix[i][p].div(matrix[p][p]);
+            for j in p..=n {
+                matrix[i][j] = matrix[i][j].sub(factor.mul(matrix[p][j]));
+            }
+            right[i] = right[i].sub(factor.mul(right[p]));
+        }
+    }
+    let mut slopes = vec![zero; n + 1];
+    for i in (0..=n).rev() {
+        let rest = (i + 1..=n).fold(right[i], |rest, j| rest.sub(matrix[i][j].mul(slopes[j])));
+        slopes[i] = rest.div(matrix[i][i]);
+    }
+    slopes
+}

@@ -161,10 +161,6 @@ fn folded<'g>(resolver: &mut Resolver<'_, 'g>, expr: Expr<'g>) -> Expr<'g> {
     resolver.known.facts.constant(expr).map_or(expr, |number| resolver.graph.constant(number))
 }
 
-fn number<'g>(resolver: &Resolver<'_, 'g>, value: f64) -> Expr<'g> {
-    resolver.graph.constant(Number::of_double(value))
-}
-
 // ---- slopes
 
 /// Of the straight lines from place to place.
@@ -173,13 +169,18 @@ fn slopes<'g>(resolver: &mut Resolver<'_, 'g>, samples: &Samples<'g>) -> Vec<Exp
     (0..xs.len() - 1).map(|k| folded(resolver, (ys[k + 1] - ys[k]) / (xs[k + 1] - xs[k]))).collect()
 }
 
+/// The distances from place to place.
+fn widths<'g>(resolver: &mut Resolver<'_, 'g>, samples: &Samples<'g>) -> Vec<Expr<'g>> {
+    samples.xs.windows(2).map(|two| folded(resolver, two[1] - two[0])).collect()
+}
+
 /// A weighted harmonic mean of the secants on both sides, 0 at a turn.
 fn monotone_tangents<'g>(
     resolver: &mut Resolver<'_, 'g>,
     samples: &Samples<'g>,
     secants: &[Expr<'g>],
 ) -> Vec<Expr<'g>> {
-    let h: Vec<f64> = samples.places.windows(2).map(|two| two[1] - two[0]).collect();
+    let h = widths(resolver, samples);
     let last = h.len();
     let mut tangents = Vec::new();
     for k in 0..=last {
@@ -190,7 +191,7 @@ fn monotone_tangents<'g>(
         } else if k == last {
             end_tangent(resolver, [h[last - 1], h[last - 2]], [secants[last - 1], secants[last - 2]])
         } else {
-            let weights = [2.0 * h[k] + h[k - 1], h[k] + 2.0 * h[k - 1]];
+            let weights = [2 * h[k] + h[k - 1], h[k] + 2 * h[k - 1]].map(|weight| folded(resolver, weight));
             mean_tangent(resolver, weights, [secants[k - 1], secants[k]])
         };
         tangents.push(tangent);
@@ -198,34 +199,41 @@ fn monotone_tangents<'g>(
     tangents
 }
 
-fn mean_tangent<'g>(resolver: &mut Resolver<'_, 'g>, [v, w]: [f64; 2], [a, b]: [Expr<'g>; 2]) -> Expr<'g> {
-    if let Some([a, b]) = both(resolver, a, b) {
-        return number(resolver, if a * b <= 0.0 { 0.0 } else { (v + w) / (v / a + w / b) });
+fn mean_tangent<'g>(resolver: &mut Resolver<'_, 'g>, [v, w]: [Expr<'g>; 2], [a, b]: [Expr<'g>; 2]) -> Expr<'g> {
+    let (zero, mean) = (resolver.graph.integer(0), (v + w) / (v / a + w / b));
+    match both(resolver, a, b) {
+        Some(secants) if turn(secants) => zero,
+        Some(_) => folded(resolver, mean),
+        None => {
+            let sum = folded(resolver, v + w);
+            resolver.graph.select((a * b).less_equal(zero), zero, sum / (v / a + w / b))
+        }
     }
-    let zero = resolver.graph.integer(0);
-    let mean = number(resolver, v + w) / (number(resolver, v) / a + number(resolver, w) / b);
-    resolver.graph.select((a * b).less_equal(zero), zero, mean)
 }
 
 /// By the parabola through three samples, kept from turning.
-fn end_tangent<'g>(resolver: &mut Resolver<'_, 'g>, [h, next]: [f64; 2], [a, b]: [Expr<'g>; 2]) -> Expr<'g> {
-    let (own, other) = ((2.0 * h + next) / (h + next), -h / (h + next));
-    if let Some([a, b]) = both(resolver, a, b) {
-        let tangent = own * a + other * b;
-        let kept = if tangent * a <= 0.0 {
-            0.0
-        } else if a * b <= 0.0 && tangent.abs() > 3.0 * a.abs() {
-            3.0 * a
+fn end_tangent<'g>(resolver: &mut Resolver<'_, 'g>, [h, next]: [Expr<'g>; 2], [a, b]: [Expr<'g>; 2]) -> Expr<'g> {
+    let own = folded(resolver, (2 * h + next) / (h + next));
+    let other = folded(resolver, -h / (h + next));
+    let zero = resolver.graph.integer(0);
+    let tangent = folded(resolver, own * a + other * b);
+    if let (Some([slope, first]), Some([_, second])) = (both(resolver, tangent, a), both(resolver, a, b)) {
+        return if turn([slope, first]) {
+            zero
+        } else if turn([first, second]) && slope.abs() > 3.0 * first.abs() {
+            folded(resolver, 3 * a)
         } else {
             tangent
         };
-        return number(resolver, kept);
     }
-    let zero = resolver.graph.integer(0);
-    let tangent = number(resolver, own) * a + number(resolver, other) * b;
     let too_steep = (a * b).less_equal(zero).and((9 * a.powi(2)).less(tangent.powi(2)));
     let kept = resolver.graph.select(too_steep, 3 * a, tangent);
     resolver.graph.select((tangent * a).less_equal(zero), zero, kept)
+}
+
+/// Whether a curve with these slopes, one after the other, does not only rise or only fall.
+fn turn([a, b]: [f64; 2]) -> bool {
+    !((a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0))
 }
 
 fn both<'g>(resolver: &mut Resolver<'_, 'g>, a: Expr<'g>, b: Expr<'g>) -> Option<[f64; 2]> {
@@ -237,42 +245,43 @@ fn both<'g>(resolver: &mut Resolver<'_, 'g>, a: Expr<'g>, b: Expr<'g>) -> Option
 /// With `h_k` the widths and `δ_k` the secants, the curvatures solve
 /// `h_{k−1} m_{k−1} + 2 (h_{k−1} + h_k) m_k + h_k m_{k+1} = 6 (δ_k − δ_{k−1})`, `m_0 = m_n = 0`.
 fn spline_tangents<'g>(resolver: &mut Resolver<'_, 'g>, samples: &Samples<'g>, secants: &[Expr<'g>]) -> Vec<Expr<'g>> {
-    let h: Vec<f64> = samples.places.windows(2).map(|two| two[1] - two[0]).collect();
-    let known: Option<Vec<f64>> = secants.iter().map(|&e| Some(resolver.known.facts.constant(e)?.to_f64())).collect();
-    let tangent = |m: &[f64], secant: f64, k: usize| secant - h[k] * (2.0 * m[k] + m[k + 1]) / 6.0;
-    let last = h.len() - 1;
-    let at_end = |m: &[f64], secant: f64| secant + h[last] * m[last] / 6.0;
-    if let Some(known) = known {
-        let m = curvatures(&h, &known);
-        let inner = (0..h.len()).map(|k| tangent(&m, known[k], k));
-        return inner.chain([at_end(&m, known[last])]).map(|value| number(resolver, value)).collect();
+    let h = widths(resolver, samples);
+    if secants.iter().all(|&secant| resolver.known.facts.constant(secant).is_some()) {
+        return tangents(resolver, &h, secants);
     }
     // Linear in the secants: the answers to one of them being 1.
-    let mut tangents: Vec<Option<Expr<'g>>> = vec![None; h.len() + 1];
+    let mut sums: Vec<Option<Expr<'g>>> = vec![None; h.len() + 1];
     for (j, &secant) in secants.iter().enumerate() {
-        let unit: Vec<f64> = (0..h.len()).map(|k| if k == j { 1.0 } else { 0.0 }).collect();
-        let m = curvatures(&h, &unit);
-        let weights = (0..h.len()).map(|k| tangent(&m, unit[k], k)).chain([at_end(&m, unit[last])]);
-        for (sum, weight) in tangents.iter_mut().zip(weights).filter(|(_, weight)| *weight != 0.0) {
-            let term = number(resolver, weight) * secant;
-            *sum = Some(sum.map_or(term, |sum| sum + term));
+        let unit: Vec<Expr<'g>> = (0..h.len()).map(|k| resolver.graph.integer(i64::from(k == j))).collect();
+        let weights = tangents(resolver, &h, &unit);
+        for (sum, weight) in sums.iter_mut().zip(weights).filter(|(_, weight)| !weight.is_zero()) {
+            *sum = Some(sum.map_or(weight * secant, |sum| sum + weight * secant));
         }
     }
-    tangents.into_iter().map(|sum| sum.unwrap_or_else(|| resolver.graph.integer(0))).collect()
+    sums.into_iter().map(|sum| sum.unwrap_or_else(|| resolver.graph.integer(0))).collect()
+}
+
+/// `δ_k − h_k (2 m_k + m_{k+1})/6` at each place, and `δ + h m/6` at the last, for secants that are numbers.
+fn tangents<'g>(resolver: &mut Resolver<'_, 'g>, h: &[Expr<'g>], secants: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    let m = curvatures(resolver, h, secants);
+    let last = h.len() - 1;
+    let inner = (0..h.len()).map(|k| secants[k] - h[k] * (2 * m[k] + m[k + 1]) / 6);
+    let all: Vec<Expr<'g>> = inner.chain([secants[last] + h[last] * m[last] / 6]).collect();
+    all.into_iter().map(|tangent| folded(resolver, tangent)).collect()
 }
 
 /// By elimination: the matrix is tridiagonal and its diagonal prevails.
-fn curvatures(h: &[f64], secants: &[f64]) -> Vec<f64> {
-    let n = h.len();
-    let (mut upper, mut right) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+fn curvatures<'g>(resolver: &mut Resolver<'_, 'g>, h: &[Expr<'g>], secants: &[Expr<'g>]) -> Vec<Expr<'g>> {
+    let (n, zero) = (h.len(), resolver.graph.integer(0));
+    let (mut upper, mut right) = (vec![zero; n + 1], vec![zero; n + 1]);
     for k in 1..n {
-        let pivot = 2.0 * (h[k - 1] + h[k]) - h[k - 1] * upper[k - 1];
-        upper[k] = h[k] / pivot;
-        right[k] = (6.0 * (secants[k] - secants[k - 1]) - h[k - 1] * right[k - 1]) / pivot;
+        let pivot = folded(resolver, 2 * (h[k - 1] + h[k]) - h[k - 1] * upper[k - 1]);
+        upper[k] = folded(resolver, h[k] / pivot);
+        right[k] = folded(resolver, (6 * (secants[k] - secants[k - 1]) - h[k - 1] * right[k - 1]) / pivot);
     }
-    let mut m = vec![0.0; n + 1];
+    let mut m = vec![zero; n + 1];
     for k in (1..n).rev() {
-        m[k] = right[k] - upper[k] * m[k + 1];
+        m[k] = folded(resolver, right[k] - upper[k] * m[k + 1]);
     }
     m
 }
