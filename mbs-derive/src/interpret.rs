@@ -245,7 +245,7 @@ impl<'d, V: Value> Interpreter<'d, V> {
     pub(crate) fn steps(&self, program: &Program, state: &State<V>, multipliers: &[V]) -> Vec<V> {
         let Interpreter { parameters, hoisted, trigonometry, .. } = self;
         let run = Run { state, multipliers, parameters, hoisted, trigonometry: *trigonometry };
-        run.steps(program).into_iter().flatten().collect()
+        run.steps(program)
     }
 
     /// What a program sets up for the motion with constraints.
@@ -293,18 +293,21 @@ struct Run<'a, V> {
 impl<V: Value> Run<'_, V> {
     fn results(&self, program: &Program) -> Vec<V> {
         let values = self.steps(program);
-        program.results.iter().map(|&v| known(&values, v)).collect()
+        program.results.iter().map(|value| values[value.index()]).collect()
     }
 
-    /// All values; what stands on one side of a branch only is computed where that side is taken.
-    fn steps(&self, program: &Program) -> Vec<Option<V>> {
-        let mut values: Vec<Option<V>> = vec![None; program.instructions.len()];
-        if V::TAKES_BOTH_SIDES {
-            for (i, &instruction) in program.instructions.iter().enumerate() {
-                values[i] = Some(self.step(program, instruction, &values));
+    /// All values; what stands on one side of a branch only is computed where that side is taken, and else is zero.
+    fn steps(&self, program: &Program) -> Vec<V> {
+        let is_choice = |instruction: &Instruction| matches!(instruction, Instruction::Select(..));
+        let is_straight = program.regions.are_certain() && !program.instructions.iter().any(is_choice);
+        if V::TAKES_BOTH_SIDES || is_straight {
+            let mut values = Vec::with_capacity(program.instructions.len());
+            for &instruction in &program.instructions {
+                values.push(self.step(program, instruction, &values));
             }
             return values;
         }
+        let mut taken = Taken::none(program);
         let mut waiting = Vec::new();
         for (i, &instruction) in program.instructions.iter().enumerate() {
             let value = Step(i as u32);
@@ -312,35 +315,35 @@ impl<V: Value> Run<'_, V> {
                 continue;
             }
             // In a program that was altered, what is certain may need what was not.
-            let is_missing = |operand: Step| values[operand.index()].is_none();
-            if matches!(instruction, Instruction::Select(..)) || instruction.operands().any(is_missing) {
+            if is_choice(&instruction) || instruction.operands().any(|operand| taken.lacks(operand)) {
                 waiting.push(value);
-                self.compute(program, &mut waiting, &mut values);
+                self.compute(program, &mut waiting, &mut taken);
             } else {
-                values[i] = Some(self.step(program, instruction, &values));
+                taken.put(value, self.step(program, instruction, &taken.values));
             }
         }
-        waiting.extend(program.results.iter().filter(|result| values[result.index()].is_none()));
-        self.compute(program, &mut waiting, &mut values);
-        values
+        waiting.extend(program.results.iter().filter(|result| taken.lacks(**result)));
+        self.compute(program, &mut waiting, &mut taken);
+        taken.values
     }
 
     /// Computes the values that are waited for, after what they need; of a choice that is the side taken.
-    fn compute(&self, program: &Program, waiting: &mut Vec<Step>, values: &mut [Option<V>]) {
+    fn compute(&self, program: &Program, waiting: &mut Vec<Step>, taken: &mut Taken<V>) {
         while let Some(&value) = waiting.last() {
             let (instruction, before) = (program.instructions[value.index()], waiting.len());
-            let missing = |operand: &Step| values[operand.index()].is_none();
+            let missing = |operand: &Step| taken.lacks(*operand);
             match instruction {
                 _ if !missing(&value) => {}
+                Instruction::Select(c, _, _) if missing(&c) => waiting.push(c),
                 Instruction::Select(c, a, b) => {
-                    let needed = values[c.index()].map_or(c, |condition| if holds(condition) { a } else { b });
-                    waiting.extend(Some(needed).filter(missing));
+                    let side = if holds(taken.values[c.index()]) { a } else { b };
+                    waiting.extend(Some(side).filter(missing));
                 }
                 _ => waiting.extend(instruction.operands().filter(missing)),
             }
             if waiting.len() == before {
                 if missing(&value) {
-                    values[value.index()] = Some(self.step(program, instruction, values));
+                    taken.put(value, self.step(program, instruction, &taken.values));
                 }
                 waiting.pop();
             }
@@ -348,8 +351,8 @@ impl<V: Value> Run<'_, V> {
     }
 
     /// One instruction, what it needs being known.
-    fn step(&self, program: &Program, instruction: Instruction, values: &[Option<V>]) -> V {
-        let v = |operand| known(values, operand);
+    fn step(&self, program: &Program, instruction: Instruction, values: &[V]) -> V {
+        let v = |operand: Step| values[operand.index()];
         match instruction {
             Instruction::Constant(number) => V::number(number),
             Instruction::Symbol(symbol) => self.symbol(symbol),
@@ -391,8 +394,25 @@ impl<V: Value> Run<'_, V> {
     }
 }
 
-fn known<V: Copy>(values: &[Option<V>], value: Step) -> V {
-    values[value.index()].expect("what a value needs is computed before it")
+/// The values that the sides taken need, so far.
+struct Taken<V> {
+    values: Vec<V>,
+    is_known: Vec<bool>,
+}
+
+impl<V: Value> Taken<V> {
+    fn none(program: &Program) -> Self {
+        let count = program.instructions.len();
+        Taken { values: vec![V::constant(0.0); count], is_known: vec![false; count] }
+    }
+
+    fn lacks(&self, value: Step) -> bool {
+        !self.is_known[value.index()]
+    }
+
+    fn put(&mut self, value: Step, number: V) {
+        (self.values[value.index()], self.is_known[value.index()]) = (number, true);
+    }
 }
 
 #[cfg(test)]

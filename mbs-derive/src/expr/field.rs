@@ -135,6 +135,7 @@ impl<const K: usize> Prime<K> {
     }
 
     /// Angles of two points of the circle are added.
+    #[inline(always)] // four products, which a power of a point takes a hundred times
     pub(super) const fn multiplied((c, s): (u64, u64), (d, r): (u64, u64)) -> (u64, u64) {
         let (cd, sr, cr, sd) = (Self::times(c, d), Self::times(s, r), Self::times(c, r), Self::times(s, d));
         (sum(cd, negative_of(sr, Self::P), Self::P), sum(cr, sd, Self::P))

@@ -28,6 +28,7 @@ impl<V: Clone> Table<V> {
 
 impl<V> Table<V> {
     /// Where the value of a node stands, if it is one of ours.
+    #[inline(always)] // every pass looks up every operand
     pub(crate) fn position(&self, id: Id) -> Option<usize> {
         let (members, before) = *self.words.get(id.index() / 64)?;
         let bit = 1 << (id.index() % 64);
@@ -42,6 +43,7 @@ impl<V> Table<V> {
 impl<V> Index<Id> for Table<V> {
     type Output = V;
 
+    #[inline(always)] // as `position`
     fn index(&self, id: Id) -> &V {
         &self.values[self.position(id).expect("one of the nodes")]
     }

@@ -2,11 +2,12 @@
 //!
 //! The rate of a slope less the slope of that rate is zero, where the order of factors hides it: `a (b c) − b (a c)`.
 //! Beside small terms its rounding may be all that is seen. Which sums vanish is decided in two finite fields
-//! ([`residue`](super::residue)), never by a tolerance.
+//! ([`residue`](super::residue)), never by a tolerance; doubles only tell which sums need not be asked about.
 
 use super::evaluate::{Value, value_of};
-use super::graph::{Expr, Graph, Id, Node};
-use super::identity::{Chance, chance, generic};
+use super::field::mixed;
+use super::graph::{Expr, Graph, Id, Node, Symbol};
+use super::identity::{Chance, chance, generic, key};
 use super::residue::Residue;
 use super::spline::SplineDerivative;
 use super::substitute::rebuild;
@@ -59,7 +60,9 @@ fn vanishing_sums(graph: &Graph, order: &[Id]) -> Vec<Id> {
         None => Some((*id, POINTS)),
     };
     let mut left: Vec<(Id, u32)> = order.iter().filter(|id| is_sum(id)).filter_map(candidate).collect();
-    let mut order = order.to_vec();
+    let cancels = cancelling(graph, order);
+    left.retain(|(id, _)| cancels[*id]);
+    let mut order = graph.reachable(left.iter().map(|(id, _)| *id));
     for point in 1..=TRIED {
         let before = left.len();
         left = if point % 2 == 0 {
@@ -75,6 +78,28 @@ fn vanishing_sums(graph: &Graph, order: &[Id]) -> Vec<Id> {
         }
     }
     left.into_iter().filter_map(|(id, points)| (points == 0).then_some(id)).collect()
+}
+
+/// Of each node whether it is a sum that cancels to six digits in doubles at a point, or has no finite value there:
+/// another one does not vanish.
+fn cancelling(graph: &Graph, order: &[Id]) -> Table<bool> {
+    let (mut values, mut cancels) = (Table::new(order, 0.0), Table::new(order, false));
+    for &id in order {
+        let node = graph.node(id);
+        let spline = |d: SplineDerivative, a: f64| graph.spline_of(d.spline).derivative(a, d.order as usize);
+        let value = value_of(&node, |a| values[a], somewhere, spline, |holds| holds);
+        values[id] = value;
+        if let Node::Add(a, b) | Node::Sub(a, b) = node {
+            let is_seen = value.abs() > 1e-6 * (values[a].abs() + values[b].abs());
+            cancels[id] = !is_seen;
+        }
+    }
+    cancels
+}
+
+/// Between 1/2 and 1, another for each symbol.
+fn somewhere(symbol: Symbol) -> f64 {
+    0.5 + (mixed(key(symbol)) >> 12) as f64 / (1_u64 << 53) as f64
 }
 
 /// Those of some sums that are zero at a point of a field, with one point less to go, or have no value there.

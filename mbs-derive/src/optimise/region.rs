@@ -90,6 +90,11 @@ impl Regions {
         self.places.get(value.index()).copied().unwrap_or(certain)
     }
 
+    /// Whether all values are computed at each call.
+    pub fn are_certain(&self) -> bool {
+        self.places.is_empty()
+    }
+
     /// Whether a value is computed at each call.
     pub fn is_certain(&self, value: Value) -> bool {
         let place = self.place(value);
