@@ -1,14 +1,14 @@
 //! One mechanism through the passes: the face of the generator.
 
 use crate::builder::Mechanism;
-use crate::derive::{self, Route};
+use crate::derive::{self, LeftOut, Route};
 use crate::diagnostic::Diagnostics;
 use crate::emit::{self, Language, Options};
 use crate::expr::Graph;
 use crate::generated::{Error, Generated};
 use crate::latex;
 use crate::model::{self, Lagrangian};
-use crate::optimise::{self, Derivation, Operations};
+use crate::optimise::{self, Derivation, FunctionKind, Operations};
 use crate::parse::{self, syntax::Declaration};
 use crate::scene::Scene;
 use crate::source::Sources;
@@ -51,7 +51,7 @@ impl<'g> Analysis<'g> {
     /// [`Error::Declaration`] if the text is not a mechanism, or has no parameter of such a name.
     pub fn frozen(sources: &Sources, graph: &'g Graph, freeze: &[String]) -> Result<Self, Error> {
         let (lagrangian, warnings) = declared_from(sources, graph, freeze)?;
-        Ok(Self::new(sources.clone(), lagrangian, warnings))
+        Ok(Self::new(sources.clone(), lagrangian, warnings, LeftOut::default()))
     }
 
     /// The mechanism that calls have written, its parameters named in `freeze` constants.
@@ -60,12 +60,23 @@ impl<'g> Analysis<'g> {
     /// [`Error::Declaration`] if what they have written is not a mechanism, or has no parameter of such a name.
     pub fn written(mechanism: &Mechanism, graph: &'g Graph, freeze: &[String]) -> Result<Self, Error> {
         let (lagrangian, warnings) = resolved(mechanism.declaration()?, graph, freeze)?;
-        Ok(Self::new(mechanism.sources(), lagrangian, warnings))
+        Ok(Self::new(mechanism.sources(), lagrangian, warnings, LeftOut::default()))
     }
 
-    fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics) -> Self {
+    /// What is needed for the functions that the options ask for, of a mechanism and its texts.
+    fn asked_for(
+        declaration: Declaration,
+        sources: Sources,
+        graph: &'g Graph,
+        options: &Options,
+    ) -> Result<Self, Error> {
+        let (lagrangian, warnings) = resolved(declaration, graph, &options.freeze)?;
+        Ok(Self::new(sources, lagrangian, warnings, left_out(options.functions.as_deref())))
+    }
+
+    fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics, left_out: LeftOut) -> Self {
         let graph = Graph::new();
-        let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph));
+        let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph, left_out));
         let nodes = lagrangian.graph.len() + graph.len();
         Analysis { sources, lagrangian, warnings, programs, nodes }
     }
@@ -139,7 +150,8 @@ impl<'g> Analysis<'g> {
         let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
         for name in options.functions.iter().flatten() {
             if derivation.named(name).is_none() {
-                let known = derivation.functions.iter().map(|f| f.name.clone()).collect();
+                // All of them, also those that were left out.
+                let known = derived(&self.lagrangian).functions.into_iter().map(|f| f.name).collect();
                 return Err(Error::UnknownFunction { name: name.clone(), known });
             }
         }
@@ -171,7 +183,7 @@ impl<'g> Analysis<'g> {
     /// Symbols, outputs, energies, matrices and equations of motion, a document of LaTeX.
     pub fn latex(&self) -> String {
         let graph = Graph::new();
-        latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph))
+        latex::page(&self.lagrangian, &derive::routes(&self.lagrangian, &graph, LeftOut::default()))
     }
 
     /// Bodies, shapes, frames, places and lines as functions of the coordinates: what a picture is drawn from.
@@ -209,7 +221,19 @@ impl Mechanism {
     /// # Errors
     /// As [`generate`]; `error.render_in(&mechanism.sources())` is the report for people.
     pub fn generate(&self, options: &Options) -> Result<Generated, Error> {
-        Analysis::written(self, &Graph::verbatim(), &options.freeze)?.rust(options)
+        Analysis::asked_for(self.declaration()?, self.sources(), &Graph::verbatim(), options)?.rust(options)
+    }
+}
+
+/// What is not derived where these functions are asked for.
+fn left_out(functions: Option<&[String]>) -> LeftOut {
+    use FunctionKind::{CoriolisMatrix, Gravity, InverseDynamicsJacobian, Linearize, LinearizeParameters};
+    let Some(names) = functions else { return LeftOut::default() };
+    let none_of = |kinds: &[FunctionKind]| !names.iter().any(|name| kinds.iter().any(|kind| kind.name() == name));
+    LeftOut {
+        coriolis_matrix: none_of(&[CoriolisMatrix, Gravity]),
+        inverse_dynamics_jacobian: none_of(&[InverseDynamicsJacobian]),
+        linearization: none_of(&[Linearize, LinearizeParameters]),
     }
 }
 
@@ -232,7 +256,8 @@ pub fn generate(file_name: &str, source: &str, options: &Options) -> Result<Gene
 }
 
 pub(crate) fn generated(sources: &Sources, options: &Options) -> Result<Generated, Error> {
-    Analysis::frozen(sources, &Graph::verbatim(), &options.freeze)?.rust(options)
+    let declaration = parse::declaration_of(sources)?;
+    Analysis::asked_for(declaration, sources.clone(), &Graph::verbatim(), options)?.rust(options)
 }
 
 /// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
@@ -290,5 +315,54 @@ fn resolved<'g>(
 /// ```
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
     let graph = Graph::new();
-    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph))
+    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph, LeftOut::default()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is not asked for is not derived, and nothing else is another program for that.
+    #[test]
+    fn functions_that_nobody_asks_for_are_not_derived() {
+        let text = "#![dimensionless] mechanism Arm {
+            coord q[3]: 1; input u: 1;
+            let mut link = world;
+            for i in 0..3 {
+                link = link*rotation([0, 0, 1], q[i])*translation([1, 0, 0]);
+                kinetic += particle(2, link.origin()); potential += 20*link.origin().y;
+            }
+            force q[0] += u;
+        }";
+        let sources = Sources::new("arm.mbs", text);
+        let asked_for = |names: &[&str]| {
+            let options = Options::default().functions(names.iter().copied());
+            let declaration = parse::declaration_of(&sources).expect("it is right");
+            let graph = Graph::verbatim();
+            let analysis = Analysis::asked_for(declaration, sources.clone(), &graph, &options).expect("it is right");
+            analysis.prove(analysis.programs()).expect("it is right");
+            analysis.into_programs()
+        };
+        let all = derived(&declared(text, &Graph::verbatim(), &[]).expect("it is right").0);
+        for (asked, left_out) in [
+            (vec!["forward_dynamics"], vec!["coriolis_matrix", "gravity", "linearize", "inverse_dynamics_jacobian"]),
+            (vec!["gravity", "linearize"], vec!["inverse_dynamics_jacobian"]),
+            (vec!["coriolis_matrix", "inverse_dynamics_jacobian"], vec!["linearize"]),
+        ] {
+            let some = asked_for(&asked);
+            let names = |derivation: &Derivation| -> Vec<String> {
+                derivation.functions.iter().map(|function| function.name.clone()).collect()
+            };
+            let expected: Vec<String> = names(&all).into_iter().filter(|n| !left_out.contains(&n.as_str())).collect();
+            assert_eq!(names(&some), expected, "{asked:?}");
+            for function in &some.functions {
+                let same = all.named(&function.name).expect("among all");
+                assert_eq!(function.program.instructions, same.program.instructions, "{}", function.name);
+            }
+        }
+        let options = Options::default().functions(["forward_dynamics", "forward_dinamics"]);
+        let Err(Error::UnknownFunction { name, known }) = generated(&sources, &options) else { panic!("a wrong name") };
+        assert_eq!(name, "forward_dinamics");
+        assert!(known.contains(&"linearize".to_string()), "{known:?}");
+    }
 }

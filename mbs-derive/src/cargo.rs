@@ -124,8 +124,8 @@ impl Config {
         self
     }
 
-    /// Generates only these functions (and what they call). Of the runtime's traits those are
-    /// implemented all of whose functions are among them.
+    /// Derives and generates only these functions (and what they call). Of the runtime's traits those are implemented
+    /// all of whose functions are among them.
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.options = self.options.functions(names);
         self

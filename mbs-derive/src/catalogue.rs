@@ -110,7 +110,9 @@ catalogue! {
         CoriolisMatrix {
             name: "coriolis_matrix",
             arguments: &[Q, Qd],
-            roots: |e, _| Roots::matrix(&e.lagrange.coriolis_matrix, e.symbols.q.len()),
+            roots: |e, _| {
+                (!e.left_out.coriolis_matrix).then(|| Roots::matrix(&e.lagrange.coriolis_matrix, e.symbols.q.len()))?
+            },
             doc: |about| format!(
                 "Coriolis matrix `C` in Christoffel's form, {}: `Ṁ + ∂M/∂t − 2C` is skew-symmetric.", about.shape
             ),
@@ -122,7 +124,8 @@ catalogue! {
         Gravity {
             name: "gravity",
             arguments: &[Q],
-            roots: |e, _| Roots::vector(&e.lagrange.gravity),
+            // Its claim is that of C.
+            roots: |e, _| (!e.left_out.coriolis_matrix).then(|| Roots::vector(&e.lagrange.gravity))?,
             doc: |about| format!("Gravity and other forces of position `G = −∂L₀/∂q + ∂a/∂t`, {}.", about.shape),
             notes: |about| about.forces("Forces"),
             of_trait: Some(Trait::Mechanism),
@@ -205,7 +208,9 @@ catalogue! {
                 let [q, qd, u] = &e.linearization.state;
                 let by = |name, inputs: usize| (name, Shape::Matrix(e.symbols.q.len(), inputs));
                 let parts = [by("q", e.symbols.q.len()), by("qd", e.symbols.qd.len()), by("u", e.symbols.u.len())];
-                Roots::parts(parts, [q.concat(), qd.concat(), u.concat()].concat())?.solved_by(&e.forward_dynamics)
+                let is_asked_for = !e.left_out.linearization;
+                let values = is_asked_for.then(|| [q.concat(), qd.concat(), u.concat()].concat())?;
+                Roots::parts(parts, values)?.solved_by(&e.forward_dynamics)
             },
             doc: |_| "Derivatives `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u` of forward dynamics.".to_string(),
             notes: |about| about.where_singular(),
@@ -219,7 +224,8 @@ catalogue! {
             roots: |e, _| {
                 let shape = Shape::Matrix(e.symbols.q.len(), e.symbols.parameters.len());
                 let roots = Roots::of(shape, e.linearization.parameters.concat())?;
-                (!e.symbols.parameters.is_empty()).then(|| roots.solved_by(&e.forward_dynamics))?
+                let is_asked_for = !e.left_out.linearization && !e.symbols.parameters.is_empty();
+                is_asked_for.then(|| roots.solved_by(&e.forward_dynamics))?
             },
             doc: |about| format!("Derivatives `∂q̈/∂parameters` of forward dynamics, {}.", about.shape),
             notes: |about| {
@@ -235,7 +241,9 @@ catalogue! {
             arguments: &[Q, Qd, Qdd],
             roots: |e, _| {
                 let (jacobian, square) = (&e.inverse_dynamics_jacobian, Shape::Matrix(e.symbols.q.len(), e.symbols.q.len()));
-                Roots::parts([("q", square), ("qd", square)], [jacobian.q.concat(), jacobian.qd.concat()].concat())
+                let is_asked_for = !e.left_out.inverse_dynamics_jacobian;
+                let values = is_asked_for.then(|| [jacobian.q.concat(), jacobian.qd.concat()].concat())?;
+                Roots::parts([("q", square), ("qd", square)], values)
             },
             doc: |_| "Derivatives `∂τ/∂q`, `∂τ/∂q̇` of inverse dynamics `τ`; `∂τ/∂q̈` is `M`.".to_string(),
             notes: |about| about.forces("Rows are forces"),

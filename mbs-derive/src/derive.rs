@@ -41,7 +41,9 @@ use crate::variable::Variable;
 
 pub(crate) use crate::equations::Equations;
 pub use crate::equations::Route;
-pub(crate) use crate::equations::{Conserved, Constraints, Lagrange, OutputEquations, Rows, Symbols, Wrenches};
+pub(crate) use crate::equations::{
+    Conserved, Constraints, Lagrange, LeftOut, OutputEquations, Rows, Symbols, Wrenches,
+};
 pub use solve::LARGEST_UNROLLED;
 pub(crate) use textbook::Form;
 
@@ -79,26 +81,32 @@ impl Route {
 /// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
 /// A long chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to
 /// lose.
-pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
-    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured])
+pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, left_out: LeftOut) -> Vec<Equations<'g>> {
+    derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured], left_out)
 }
 
 /// The equations by every route, those that are there for comparison only included; accelerations by articulated bodies
 /// are among the structured ones.
 pub(crate) fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
     let routes = Route::ALL.into_iter().filter(|&route| route != Route::Articulated);
-    derived_by(lagrangian, graph, &routes.collect::<Vec<_>>())
+    derived_by(lagrangian, graph, &routes.collect::<Vec<_>>(), LeftOut::default())
 }
 
-pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, routes: &[Route]) -> Vec<Equations<'g>> {
+pub(crate) fn derived_by<'g>(
+    lagrangian: &Lagrangian<'_>,
+    graph: &'g Graph,
+    routes: &[Route],
+    left_out: LeftOut,
+) -> Vec<Equations<'g>> {
     let symbols = Symbols::of(lagrangian);
     let energies = Energies::carried_out(lagrangian, graph);
     let (symbols, energies) = (&symbols, &energies);
     let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
-    let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols));
-    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols));
-    let by_bodies = |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols));
+    let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
+    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols, left_out));
+    let by_bodies =
+        |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols, left_out));
     let (kept, nothing) = (energies.factors(), Kept::default());
     let turned = kept.turned_sums_multiplied_out();
     // As in a textbook in two ways, where there are two.
@@ -118,7 +126,8 @@ pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, rout
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let unfolded = Graph::verbatim();
     let exact = Exact::new(lagrangian, &unfolded);
-    let mechanism = Mechanism { lagrangian, symbols, energies, constraints, exact, outputs: OnceCell::new() };
+    let outputs = OnceCell::new();
+    let mechanism = Mechanism { lagrangian, left_out, symbols, energies, constraints, exact, outputs };
     let ways = routes.iter().flat_map(|&route| kept(route).into_iter().map(move |kept| (route, kept)));
     let mut found: Vec<_> =
         ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
@@ -140,6 +149,7 @@ pub(crate) fn derived_by<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, rout
 /// What does not depend on the route.
 struct Mechanism<'a, 'v, 'g> {
     lagrangian: &'a Lagrangian<'v>,
+    left_out: LeftOut,
     symbols: &'a Symbols,
     energies: &'a Energies<'g>,
     constraints: Constraints<'g>,
@@ -151,20 +161,20 @@ struct Mechanism<'a, 'v, 'g> {
 impl<'g> Mechanism<'_, '_, 'g> {
     /// Everything that follows from Lagrange's equations.
     fn equations(&self, route: Route, kept: &Kept, lagrange: Lagrange<'g>) -> Equations<'g> {
-        let &Mechanism { lagrangian, symbols, energies, ref constraints, ref exact, ref outputs } = self;
+        let &Mechanism { lagrangian, left_out, symbols, energies, ref constraints, ref exact, ref outputs } = self;
         let form = route.form(kept);
         let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
         let forward_dynamics = match route {
             Route::Articulated => forward_dynamics.by_articulated_bodies(),
             _ => forward_dynamics,
         };
-        let slopes = linearize::inverse_dynamics_slopes(&lagrange, symbols);
-        let inverse_dynamics_jacobian = linearize::inverse_dynamics_jacobian(&slopes, form, symbols);
-        let linearization = linearize::linearization(&lagrange, &slopes, &forward_dynamics, form, constraints, symbols);
+        let (inverse_dynamics_jacobian, linearization) =
+            linearize::derivatives(&lagrange, &forward_dynamics, form, constraints, symbols, left_out);
         let conserved = conserved::conserved(&lagrange, energies, constraints, exact, symbols);
         let graph = lagrange.kinetic_energy.graph();
         Equations {
             route,
+            left_out,
             symbols: symbols.clone(),
             lagrange,
             forward_dynamics,

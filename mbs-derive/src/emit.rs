@@ -87,6 +87,9 @@ impl Options {
     }
 
     /// Generates these functions alone, with those that they call, added to those that were named before.
+    ///
+    /// Not derived either are C and G, the derivatives of inverse dynamics, and those of accelerations, where none of
+    /// them is named: their cost grows with the square of the number of coordinates.
     #[must_use]
     pub fn functions<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.functions.get_or_insert_default().extend(names.into_iter().map(Into::into));

@@ -60,11 +60,25 @@ impl fmt::Display for Route {
     }
 }
 
+/// Functions whose cost grows with the square of the number of coordinates, or faster, and that nobody asks for: they
+/// are not derived.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct LeftOut {
+    /// C, and G with it, which is proved by C.
+    pub coriolis_matrix: bool,
+    /// The derivatives of inverse dynamics.
+    pub inverse_dynamics_jacobian: bool,
+    /// Those of forward dynamics, in the parameters too.
+    pub linearization: bool,
+}
+
 /// Everything that is generated for a mechanism, as roots in one graph.
 #[derive(Clone, Debug)]
 pub(crate) struct Equations<'g> {
     /// How they were derived.
     pub route: Route,
+    /// What is empty because nobody asks for it.
+    pub left_out: LeftOut,
     /// The symbols that the roots depend on.
     pub symbols: Symbols,
     /// T, V, p, M, C, G, h and inverse dynamics.
@@ -156,7 +170,7 @@ pub(crate) struct Step<'g> {
 }
 
 /// `∂τ/∂q` and `∂τ/∂q̇` of `τ = M q̈ + C q̇ + G + ∂D/∂q̇`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct InverseDynamicsJacobian<'g> {
     /// `∂τ/∂q`
     pub q: Rows<'g>,
@@ -165,7 +179,7 @@ pub(crate) struct InverseDynamicsJacobian<'g> {
 }
 
 /// Derivatives of q̈; rows are accelerations.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Linearization<'g> {
     /// `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u`, where the factorization is unrolled; else `−∂r/∂x`, the right sides of a solution
     /// at run time, with q̈ and λ left as symbols.

@@ -341,7 +341,7 @@ fn cheapest<'e, 'g>(ways: Vec<Vec<Way<'e, 'g>>>, forms: &mut Forms) -> Vec<Way<'
 /// ```
 pub fn by_route(lagrangian: &Lagrangian<'_>, route: Route) -> Vec<Derivation> {
     let graph = Graph::new();
-    let ways = derive::derived_by(lagrangian, &graph, &[route]);
+    let ways = derive::derived_by(lagrangian, &graph, &[route], Default::default());
     ways.iter().map(|equations| straight_line(lagrangian, std::slice::from_ref(equations))).collect()
 }
 

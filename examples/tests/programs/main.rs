@@ -10,6 +10,7 @@ mod estimator;
 mod experiment;
 mod four_bar;
 mod gallery;
+mod growth;
 mod landing_maps;
 mod marine;
 mod minimum_effort;

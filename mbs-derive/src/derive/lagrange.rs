@@ -3,10 +3,10 @@
 use crate::expr::{Expr, Symbol, Tangent, gradient, hessian, substitute};
 use crate::mistake::rule;
 
-use super::{Energies, Lagrange, Rows, Symbols, time_derivative};
+use super::{Energies, Lagrange, LeftOut, Rows, Symbols, time_derivative};
 
 /// Differentiates the energies.
-pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagrange<'g> {
+pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols, left_out: LeftOut) -> Lagrange<'g> {
     let l = energies.lagrangian;
     let momentum = gradient(l, &symbols.qd); // p = ∂L/∂q̇
     let position_gradient = gradient(l, &symbols.q); // ∂L/∂q
@@ -22,7 +22,10 @@ pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols) -> Lagra
     Lagrange {
         kinetic_energy: energies.kinetic,
         potential_energy: energies.potential,
-        coriolis_matrix: coriolis_matrix(&mass_matrix, &momentum, &a, symbols),
+        coriolis_matrix: match left_out.coriolis_matrix {
+            true => Rows::new(),
+            false => coriolis_matrix(&mass_matrix, &momentum, &a, symbols),
+        },
         gravity: gravity(rest, &a, symbols),
         residual: sub(&inverse_dynamics, &energies.forces),
         free_force: sub(&energies.forces, &add(&bias, &dissipation_force)),
@@ -157,7 +160,7 @@ mod tests {
             declared_forces: vec![u, graph.integer(0)],
             declared_inertias: vec![m * r.powi(2) / 2],
         };
-        let found = equations(&energies, &symbols);
+        let found = equations(&energies, &symbols, LeftOut::default());
 
         let (r, phi, r_dot, phi_dot, r_ddot, phi_ddot, t, u) = (1.3, 0.4, -0.7, 2.1, 0.9, -1.6, 0.35, 4.0);
         let (m, k, rest, alpha, c) = (2.0, 30.0, 1.0, 3.0, 5.0);

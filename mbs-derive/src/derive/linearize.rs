@@ -5,7 +5,8 @@
 //! `A q̈ + γ` besides, and the system is that of q̈ and λ.
 
 use crate::equations::{
-    Constraints, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, Linearization, Rows, Symbols,
+    Constraints, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, LeftOut, Linearization, Rows,
+    Symbols,
 };
 use crate::expr::{Expr, Symbol, gradient, substitute};
 use crate::mistake::rule;
@@ -13,17 +14,36 @@ use crate::mistake::rule;
 use super::Form;
 use super::lagrange::{jacobian_by_rows, sub, transpose};
 
+/// The derivatives of inverse dynamics and of forward dynamics, those that are asked for.
+pub(crate) fn derivatives<'g>(
+    lagrange: &Lagrange<'g>,
+    forward: &ForwardDynamics<'g>,
+    form: Form<'_>,
+    constraints: &Constraints<'g>,
+    symbols: &Symbols,
+    left_out: LeftOut,
+) -> (InverseDynamicsJacobian<'g>, Linearization<'g>) {
+    let (mut jacobian, mut linear) = (InverseDynamicsJacobian::default(), Linearization::default());
+    if left_out.inverse_dynamics_jacobian && left_out.linearization {
+        return (jacobian, linear);
+    }
+    let slopes = inverse_dynamics_slopes(lagrange, symbols);
+    if !left_out.inverse_dynamics_jacobian {
+        jacobian = inverse_dynamics_jacobian(&slopes, form, symbols);
+    }
+    if !left_out.linearization {
+        linear = linearization(lagrange, &slopes, forward, form, constraints, symbols);
+    }
+    (jacobian, linear)
+}
+
 /// `∂τ/∂x` for all x but the parameters: q, q̇ and u. One reverse sweep per generalized force.
-pub(crate) fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
+fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
     jacobian_by_rows(&lagrange.inverse_dynamics, &[symbols.q.as_slice(), &symbols.qd, &symbols.u].concat())
 }
 
 /// Those in q and q̇.
-pub(crate) fn inverse_dynamics_jacobian<'g>(
-    slopes: &Rows<'g>,
-    form: Form<'_>,
-    symbols: &Symbols,
-) -> InverseDynamicsJacobian<'g> {
+fn inverse_dynamics_jacobian<'g>(slopes: &Rows<'g>, form: Form<'_>, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
     let n = symbols.q.len();
     let rows = form.rows(&slopes.iter().map(|row| row[..2 * n].to_vec()).collect());
     InverseDynamicsJacobian {
@@ -33,7 +53,7 @@ pub(crate) fn inverse_dynamics_jacobian<'g>(
 }
 
 /// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
-pub(crate) fn linearization<'g>(
+fn linearization<'g>(
     lagrange: &Lagrange<'g>,
     inverse_dynamics_slopes: &Rows<'g>,
     forward: &ForwardDynamics<'g>,

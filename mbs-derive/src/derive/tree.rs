@@ -40,7 +40,7 @@ use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
-use super::{Energies, Lagrange, Rows, Symbols};
+use super::{Energies, Lagrange, LeftOut, Rows, Symbols};
 use force_element::{Anchor, Held};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};
@@ -64,6 +64,7 @@ pub(super) fn equations<'g>(
     energies: &Energies<'g>,
     rest: &Lagrange<'g>,
     symbols: &Symbols,
+    left_out: LeftOut,
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
     let bias = add(&tree.bias(), &rest.bias);
@@ -86,7 +87,10 @@ pub(super) fn equations<'g>(
         momentum: gradient(lagrangian, &symbols.qd),
         position_gradient: gradient(lagrangian, &symbols.q),
         mass_matrix: sum(&tree.mass_matrix(), &rest.mass_matrix),
-        coriolis_matrix: sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
+        coriolis_matrix: match left_out.coriolis_matrix {
+            true => Rows::new(),
+            false => sum(&tree.coriolis_matrix(), &rest.coriolis_matrix),
+        },
         gravity: at_rest(&bias),
         inverse_dynamics,
         bias,

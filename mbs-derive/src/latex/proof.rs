@@ -79,7 +79,7 @@ fn compared(name: &str) -> Option<Compared> {
     let (source, verbatim, graph) = (source(name)?, Graph::verbatim(), Graph::new());
     let (lagrangian, _) =
         crate::declared(&source, &verbatim, &[]).unwrap_or_else(|e| panic!("{}", e.render("", &source)));
-    let routes = routes(&lagrangian, &graph);
+    let routes = routes(&lagrangian, &graph, Default::default());
     let page = composed(&lagrangian, &routes);
     let named = page.algebra.recursion.named.clone();
     let symbols: Vec<(String, Symbol)> = super::tests::symbols(&lagrangian, &routes[0])
@@ -208,7 +208,7 @@ fn nothing_is_left_out_in_silence() {
         let (verbatim, graph) = (Graph::verbatim(), Graph::new());
         let (lagrangian, _) =
             crate::declared(&source, &verbatim, &[]).unwrap_or_else(|e| panic!("{}", e.render("", &source)));
-        let text = page(&lagrangian, &routes(&lagrangian, &graph));
+        let text = page(&lagrangian, &routes(&lagrangian, &graph, Default::default()));
         for word in ["see below", "Too long", "dots &="] {
             assert!(!text.contains(word), "{name}: {word}");
         }

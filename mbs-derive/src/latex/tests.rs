@@ -15,7 +15,7 @@ use super::reader::Reader;
 
 fn output(lagrangian: &Lagrangian<'_>) -> String {
     let graph = Graph::new();
-    page(lagrangian, &routes(lagrangian, &graph))
+    page(lagrangian, &routes(lagrangian, &graph, Default::default()))
 }
 
 fn double_pendulum(graph: &Graph) -> Lagrangian<'_> {
@@ -296,7 +296,7 @@ fn what_is_written_is_what_was_derived() {
 /// Everything on the page has the value that was derived; what is too long for it is left out here, too.
 fn check_values(l: &Lagrangian<'_>) {
     let graph = Graph::new();
-    let equations = &routes(l, &graph)[0];
+    let equations = &routes(l, &graph, Default::default())[0];
     let (lagrange, constraints) = (&equations.lagrange, &equations.constraints);
     let mut algebra = algebra(l, &graph);
     let forces = lagrange.generalized_force.iter().zip(constraints.force(l.dof(), &graph));
