@@ -374,6 +374,12 @@ fn mistakes_of_other_formats_are_reported_too() {
     let belt = "<tendon>\n<fixed name=\"belt\" stiffness=\"4\"/>\n</tendon>\n</mujoco>";
     let belted = model(&format!("{joint}<geom size=\"1\"/>")).replace("</mujoco>", belt);
     refused("m.xml", &belted, "error[MBS0310]: the tendon `belt` is along no joint\n --> m.xml:6:1");
+    for (without, left) in [("joint", "coef=\"1\""), ("coef", "joint=\"j\"")] {
+        let both = "<joint joint=\"j\" coef=\"1\"/>";
+        let tendon = format!("<fixed name=\"belt\" stiffness=\"4\">{both}<joint {left}/></fixed>");
+        let message = format!("error[MBS0310]: a joint of the tendon `belt` has no `{without}`\n --> m.xml:6:61");
+        refused("m.xml", &belted.replace("<fixed name=\"belt\" stiffness=\"4\"/>", &tendon), &message);
+    }
     check(
         joint,
         "error[MBS0310]: the link `a` moves by the joint `j`, and neither it nor what hangs on it has mass\n --> m.xml:3:1",

@@ -190,13 +190,18 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 continue;
             }
             let mut terms = Terms::new();
-            for joint in children(node, "joint").collect::<Vec<_>>() {
+            let joints: Vec<_> = children(node, "joint").collect();
+            for &joint in &joints {
+                let part = format!("a joint of the tendon `{name}`");
+                if ["joint", "coef"].iter().any(|of| self.reader.wanted(joint, of, &part).is_none()) {
+                    continue;
+                }
                 let coefficient = self.reader.number(joint, "coef", &format!("a factor of the tendon `{name}`"));
                 if let (Some(coefficient), Some(of)) = (coefficient, self.named_joint(joint, "joint")) {
                     terms.push((coefficient, of));
                 }
             }
-            if terms.is_empty() {
+            if joints.is_empty() {
                 let help = "name one in it: `<joint joint=\"…\" coef=\"1\"/>`";
                 self.reader.refuse(tag(node), format!("the tendon `{name}` is along no joint"), help);
             }
