@@ -8,6 +8,7 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
+//! - [`sweep`]: many motions as one table;
 //! - [`fmu`]: the mechanism for tools that speak FMI;
 //! - [`mod@report`]: all of it on one page, moving;
 //! - [`new`]: a crate around a mechanism;
@@ -52,6 +53,7 @@ mod report;
 mod scene;
 mod simulate;
 mod state;
+mod sweep;
 mod watch;
 mod words;
 
@@ -88,6 +90,7 @@ enum Command {
     Eval(eval::Arguments),
     Linearize(linearize::Arguments),
     Simulate(Box<simulate::Arguments>),
+    Sweep(sweep::Arguments),
     Fmu(fmu::Arguments),
     Fmt(format::Arguments),
     #[cfg(feature = "lsp")]
@@ -124,6 +127,7 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Eval(arguments) => eval::run(&arguments, cache),
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
+        Command::Sweep(arguments) => sweep::run(&arguments, cache),
         Command::Fmu(arguments) => fmu::run(&arguments, cache),
         Command::Fmt(arguments) => format::run(&arguments),
         #[cfg(feature = "lsp")]

@@ -144,7 +144,13 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
-    let drives = Drives { inputs: &arguments.input, signals: &arguments.signal };
+    let drives = Drives {
+        options: drive::OPTIONS,
+        inputs: &arguments.input,
+        signals: &arguments.signal,
+        parameters: &[],
+        watched: &[],
+    };
     drives.note(&mut files);
     let sources = drives.declared(sources)?;
     mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);

@@ -11,7 +11,7 @@ use statrs::distribution::ContinuousCDF;
 use crate::distribution::{Distribution, standard};
 use crate::fault::{Fault, Faults};
 use crate::plan::{Amount, Located, Named, Plan, Spread};
-use crate::sequence::{Purpose, Sequence, random};
+use crate::sequence::{Kind, Purpose, Sequence, random};
 use crate::vocabulary::Vocabulary;
 
 /// What varies: its name, its unit, and how.
@@ -72,6 +72,7 @@ pub struct Design {
     variables: Vec<Variable>,
     fixed: Vec<(String, f64)>,
     seed: u64,
+    kind: Kind,
     draws: u64,
     points: u64,
     sequence: Sequence,
@@ -118,23 +119,31 @@ impl Plan {
         let factor = resolver.factor(self, &variables);
         let points = variables.iter().filter_map(|v| v.spread.count()).try_fold(1_u64, u64::checked_mul);
         let drawn = variables.iter().filter(|variable| matches!(variable.spread, Values::Drawn(_))).count();
-        let draws = self.members.as_ref().map_or(1, |members| members.value);
+        let rows = self.members.as_ref().map_or(1, |members| members.value);
+        if self.kind == Kind::Saltelli {
+            resolver.check_rows(self, &variables);
+        }
+        let draws = rows.checked_mul(Sequence::row(self.kind, drawn));
         if let (Some(members), true) = (&self.members, drawn == 0 && !variables.is_empty()) {
             let message = "nothing is drawn: the grid alone says how many members there are";
             resolver.faults.push(Fault::new(members.span.clone(), message));
         }
         let whole = self.members.as_ref().map_or(0..0, |members| members.span.clone());
-        let Some(points) = points.filter(|points| points.checked_mul(draws).is_some()) else {
+        let counted = points.zip(draws).filter(|(points, draws)| points.checked_mul(*draws).is_some());
+        let Some((points, draws)) = counted else {
             resolver.faults.push(Fault::new(whole, "there are more members than can be counted"));
             return Err(resolver.faults.into());
         };
-        let Some(sequence) = Sequence::new(self.kind, self.seed, draws, drawn) else {
-            let message = format!("Sobol's sequence has {} dimensions, {drawn} are drawn", Sequence::MOST_DIMENSIONS);
+        let Some(sequence) = Sequence::new(self.kind, self.seed, rows, drawn) else {
+            let message = format!("Sobol's sequence has {} dimensions: too few", Sequence::MOST_DIMENSIONS);
             resolver.faults.push(Fault::new(whole, message));
             return Err(resolver.faults.into());
         };
         let fixed = fixed.into_iter().flatten().collect();
-        Faults::finish(resolver.faults, Design { variables, fixed, seed: self.seed, draws, points, sequence, factor })
+        Faults::finish(
+            resolver.faults,
+            Design { variables, fixed, seed: self.seed, kind: self.kind, draws, points, sequence, factor },
+        )
     }
 }
 
@@ -142,6 +151,16 @@ impl Design {
     /// How many there are.
     pub fn members(&self) -> u64 {
         self.draws * self.points
+    }
+
+    /// How what is drawn fills its space.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// What all random numbers come from.
+    pub fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// What varies, in the order of the plan.
@@ -275,6 +294,20 @@ impl Resolver<'_> {
             return self.fault(Fault::new(entry.value.span.clone(), format!("`{}`: {reason}", entry.name.value)));
         }
         Some(Variable { name: entry.name.value.clone(), unit, spread })
+    }
+
+    /// For Sobol' indices variables are independent, and all of them drawn.
+    fn check_rows(&mut self, plan: &Plan, variables: &[Variable]) {
+        if let Some(correlation) = plan.correlation.first() {
+            let message = "the design `saltelli` is for independent variables, these are correlated";
+            self.faults.push(Fault::new(correlation.of[0].span.clone(), message));
+        }
+        for (entry, variable) in plan.vary.iter().zip(variables) {
+            if variable.spread.count().is_some() {
+                let message = format!("the design `saltelli` draws all variables, `{}` is a grid", variable.name);
+                self.faults.push(Fault::new(entry.value.span.clone(), message));
+            }
+        }
     }
 
     /// The lower factor L of the correlations `L Lᵀ` of what is drawn.

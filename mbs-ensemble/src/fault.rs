@@ -26,7 +26,7 @@ impl Fault {
     }
 
     /// A name that is not known, with the nearest of those that are.
-    pub(crate) fn unknown(span: Range<usize>, what: &str, name: &str, known: &[String]) -> Self {
+    pub fn unknown(span: Range<usize>, what: &str, name: &str, known: &[String]) -> Self {
         let help = match nearest(name, known) {
             Some(near) => format!("did you mean `{near}`?"),
             None if known.is_empty() => format!("there is no {what} at all"),

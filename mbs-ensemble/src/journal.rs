@@ -37,7 +37,7 @@ pub struct Row {
 pub struct Identity(Vec<(String, String)>);
 
 impl Identity {
-    /// Of parts, each with its name (`the plan`) and its digest.
+    /// Of parts, each with its name (`plan`) and its digest.
     pub fn new(parts: impl IntoIterator<Item = (&'static str, String)>) -> Self {
         Identity(parts.into_iter().map(|(name, digest)| (name.to_string(), digest)).collect())
     }
@@ -55,14 +55,15 @@ impl Identity {
     fn differences(&self, text: &str) -> Vec<String> {
         let lines: Vec<&str> = text.lines().collect();
         let differs = |(name, digest): &&(String, String)| !lines.contains(&format!("{name}: {digest}").as_str());
-        self.0.iter().filter(differs).map(|(name, _)| name.clone()).collect()
+        self.0.iter().filter(differs).map(|(name, _)| format!("the {name}")).collect()
     }
 }
 
-/// The SHA-256 of some bytes, as hexadecimal digits.
+/// The SHA-256 of some bytes: `sha256:` and hexadecimal digits.
 pub fn digest(bytes: &[u8]) -> String {
     use sha2::Digest;
-    sha2::Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    let digits: String = sha2::Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+    format!("sha256:{digits}")
 }
 
 /// The name of the text that says what a folder is of.
@@ -364,7 +365,7 @@ mod tests {
     fn what_was_appended_is_there_whatever_was_torn() {
         let temporary = tempfile::tempdir().unwrap();
         let folder = Folder::beside(&temporary.path().join("table.csv"), 2);
-        let identity = Identity::new([("the plan", "1".to_string())]);
+        let identity = Identity::new([("plan", "1".to_string())]);
         folder.open(&identity).unwrap();
         let mut journal = folder.journal(0, 1).unwrap();
         journal.append(2, &[row(2.0), row(3.0)]).unwrap();
@@ -399,7 +400,7 @@ mod tests {
         assert_eq!(rows(&folder, 4).unwrap(), [0.0, 1.0, 2.0, 3.0].map(row));
         assert_eq!(rows(&folder, 3).unwrap().len(), 3);
 
-        let changed = folder.open(&Identity::new([("the plan", "2".to_string())])).unwrap_err();
+        let changed = folder.open(&Identity::new([("plan", "2".to_string())])).unwrap_err();
         assert!(changed.to_string().contains("the plan has changed"), "{changed}");
         folder.open(&identity).unwrap();
         drop(journal);

@@ -8,6 +8,7 @@
 //! - [`design`]: from an index to a member's values;
 //! - [`distribution`], [`sequence`]: quantiles of distributions, and points of the unit cube to ask for;
 //! - [`sweep`]: members on all cores, or on several machines; [`journal`]: what is done of them; [`table`]: CSV, Parquet;
+//! - [`statistics`]: what all members say together, and how sure that is;
 //! - [`fault`]: what is wrong with a plan; [`error`]: why a run is not finished; [`vocabulary`]: the variables that a
 //!   plan may speak of.
 
@@ -18,6 +19,7 @@ pub mod fault;
 pub mod journal;
 pub mod plan;
 pub mod sequence;
+pub mod statistics;
 pub mod sweep;
 pub mod table;
 pub mod vocabulary;

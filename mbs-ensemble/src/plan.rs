@@ -4,14 +4,20 @@
 //! mechanism = "pendulum.mbs"     # a path from the plan
 //! members = 1000                 # how often what is drawn is drawn
 //! seed = 1
-//! design = "latin-hypercube"     # or "random", "sobol"
+//! design = "latin-hypercube"     # or "random", "sobol", "saltelli"
+//!
+//! [parameters]                   # what formulas of inputs need and the mechanism does not have
+//! gain = "2 N*m/rad"
+//!
+//! [inputs]                       # formulas, or `@table.csv`
+//! tau = "-gain*theta"
 //!
 //! [fixed]                        # parameters, coordinates, rates and inputs that are the same in all members
 //! l = "80 cm"
 //!
 //! [vary]
 //! theta = { from = "10 deg", to = "170 deg", count = 17 }   # a grid: each value meets each of the others
-//! tau = { values = [0, 0.5] }
+//! gain = { values = [0, 2, 4] }
 //! m = { normal = ["1 kg", "50 g"], within = ["0.8 kg", "1.2 kg"] }   # mean and deviation, and where it is cut off
 //! g = { uniform = [9.78, 9.83] }
 //!
@@ -89,6 +95,20 @@ pub enum Spread {
     Lognormal([Located<Amount>; 2]),
 }
 
+impl Spread {
+    /// The amounts that are in the unit of the variable.
+    pub fn amounts(&self) -> Vec<&Located<Amount>> {
+        match self {
+            Spread::Values(values) => values.iter().collect(),
+            Spread::Range { from, to, .. } => vec![from, to],
+            Spread::Uniform(bounds) => bounds.iter().collect(),
+            Spread::Triangular(places) => places.iter().collect(),
+            Spread::Normal { of, within } => of.iter().chain(within.iter().flatten()).collect(),
+            Spread::Lognormal([median, _]) => vec![median],
+        }
+    }
+}
+
 /// A correlation of two variables: of the normal numbers that they are made of.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Correlation {
@@ -132,8 +152,6 @@ pub struct Motion {
     pub absolute: Option<Located<f64>>,
     /// `step`, that of methods without.
     pub step: Option<Located<Amount>>,
-    /// `sample`: how often extrema and means look at the motion.
-    pub sample: Option<Located<Amount>>,
     /// `until = { zero = "height", direction = "falling" }`: what ends it before.
     pub until: Option<Crossing>,
 }
@@ -177,6 +195,8 @@ pub struct Plan {
     pub seed: u64,
     /// How what is drawn fills its space.
     pub kind: Kind,
+    /// Parameters that the mechanism does not have, for formulas of inputs and signals: `gain = "20 N/rad"`.
+    pub parameters: Vec<Named<Located<Amount>>>,
     /// Values that all members share.
     pub fixed: Vec<Named<Located<Amount>>>,
     /// What differs.

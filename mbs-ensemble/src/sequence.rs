@@ -15,11 +15,14 @@ pub enum Kind {
     LatinHypercube,
     /// Sobol's sequence, shifted at random.
     Sobol,
+    /// Rows of points between which one coordinate changes, for Sobol' indices: see
+    /// [`sensitivity`](crate::statistics::sensitivity).
+    Saltelli,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Kind; 3] = [Kind::Random, Kind::LatinHypercube, Kind::Sobol];
+    pub const ALL: [Kind; 4] = [Kind::Random, Kind::LatinHypercube, Kind::Sobol, Kind::Saltelli];
 
     /// As a plan writes it.
     pub fn name(self) -> &'static str {
@@ -27,6 +30,7 @@ impl Kind {
             Kind::Random => "random",
             Kind::LatinHypercube => "latin-hypercube",
             Kind::Sobol => "sobol",
+            Kind::Saltelli => "saltelli",
         }
     }
 }
@@ -88,6 +92,8 @@ enum Method {
         /// Of each dimension one for each bit of the index.
         directions: Vec<Vec<u64>>,
         shifts: Vec<u64>,
+        /// Whether a point is a row of them.
+        is_in_rows: bool,
     },
 }
 
@@ -95,18 +101,24 @@ impl Sequence {
     /// The most dimensions of Sobol's sequence.
     pub const MOST_DIMENSIONS: usize = 1000;
 
-    /// This many points; `None` where Sobol's sequence has not as many dimensions.
+    /// How many points a row has, of this many dimensions.
+    pub fn row(kind: Kind, dimensions: usize) -> u64 {
+        if kind == Kind::Saltelli { dimensions as u64 + 2 } else { 1 }
+    }
+
+    /// This many points, or rows of points; `None` where Sobol's sequence has not as many dimensions.
     pub fn new(kind: Kind, seed: u64, points: u64, dimensions: usize) -> Option<Self> {
         let mut whole = random(seed, Purpose::Whole, 0);
-        let mut words = || (0..dimensions).map(|_| whole.next_u64()).collect();
+        let of_sobol = if kind == Kind::Saltelli { 2 * dimensions } else { dimensions };
+        let mut words = || (0..of_sobol).map(|_| whole.next_u64()).collect();
         let method = match kind {
             Kind::Random => Method::Random,
             Kind::LatinHypercube => Method::LatinHypercube { keys: words() },
-            Kind::Sobol if dimensions > Self::MOST_DIMENSIONS => return None,
-            Kind::Sobol => {
-                let parameters = if dimensions <= 100 { JoeKuoD6::minimal() } else { JoeKuoD6::standard() };
-                let directions = Sobol::<f64>::init_direction_vals(dimensions, 52, &parameters);
-                Method::Sobol { directions, shifts: words() }
+            Kind::Sobol | Kind::Saltelli if of_sobol > Self::MOST_DIMENSIONS => return None,
+            Kind::Sobol | Kind::Saltelli => {
+                let parameters = if of_sobol <= 100 { JoeKuoD6::minimal() } else { JoeKuoD6::standard() };
+                let directions = Sobol::<f64>::init_direction_vals(of_sobol, 52, &parameters);
+                Method::Sobol { directions, shifts: words(), is_in_rows: kind == Kind::Saltelli }
             }
         };
         Some(Sequence { seed, points, dimensions, method })
@@ -128,16 +140,32 @@ impl Sequence {
                 // Where the quotient is rounded up to 1 it is not within the cube.
                 keys.iter().map(within).map(|x| x.min(1.0 - f64::EPSILON / 2.0)).collect()
             }
-            Method::Sobol { directions, shifts } => {
-                let gray = index ^ (index >> 1);
-                let coordinate = |(directions, shift): (&Vec<u64>, &u64)| {
-                    let bits = directions.iter().enumerate().filter(|(bit, _)| gray >> bit & 1 == 1);
-                    unit(bits.fold(*shift, |sum, (_, direction)| sum ^ direction))
-                };
-                directions.iter().zip(shifts).map(coordinate).collect()
+            Method::Sobol { directions, shifts, is_in_rows: false } => sobol(directions, shifts, index),
+            Method::Sobol { directions, shifts, is_in_rows: true } => {
+                let row = Self::row(Kind::Saltelli, self.dimensions);
+                let mut a = sobol(directions, shifts, index / row);
+                let b = a.split_off(self.dimensions);
+                match (index % row) as usize {
+                    0 => a,
+                    1 => b,
+                    changed => {
+                        a[changed - 2] = b[changed - 2];
+                        a
+                    }
+                }
             }
         }
     }
+}
+
+/// A point of Sobol's sequence: of the bits of the index in Gray's code each adds its direction.
+fn sobol(directions: &[Vec<u64>], shifts: &[u64], index: u64) -> Vec<f64> {
+    let gray = index ^ (index >> 1);
+    let coordinate = |(directions, shift): (&Vec<u64>, &u64)| {
+        let bits = directions.iter().enumerate().filter(|(bit, _)| gray >> bit & 1 == 1);
+        unit(bits.fold(*shift, |sum, (_, direction)| sum ^ direction))
+    };
+    directions.iter().zip(shifts).map(coordinate).collect()
 }
 
 /// Where `index` goes in the permutation of `0..count` that belongs to a key: without a table, so that memory does not
@@ -225,6 +253,17 @@ mod tests {
         boxes.sort_unstable();
         boxes.dedup();
         assert_eq!(boxes.len(), 64);
+    }
+
+    #[test]
+    fn in_a_row_one_coordinate_changes() {
+        let sequence = Sequence::new(Kind::Saltelli, 5, 4, 3).unwrap();
+        let row: Vec<Vec<f64>> = (10..15).map(|index| sequence.point(index)).collect();
+        for i in 0..3 {
+            let expected: Vec<f64> = (0..3).map(|j| row[usize::from(i == j)][j]).collect();
+            assert_eq!(row[2 + i], expected);
+            assert_ne!(row[0][i], row[1][i]);
+        }
     }
 
     #[test]

@@ -75,11 +75,11 @@ pub struct Outcome {
 ///     quantities: vec![Column::new("height", "m")],
 ///     table: folder.path().join("throws.csv"),
 ///     format: Format::Csv,
-///     identity: journal::Identity::new([("the plan", journal::digest(text.as_bytes()))]),
+///     identity: journal::Identity::new([("plan", journal::digest(text.as_bytes()))]),
 /// };
 /// let height = |member: &Member| Ok(vec![member.values[0].powi(2) / (2.0 * 9.81)]);
 /// sweep.run(&height, Share::WHOLE, 2, &|_| ())?;
-/// assert_eq!(sweep.merge()?.members, 100);
+/// assert_eq!(sweep.merge(|_| ())?.members, 100);
 /// assert!(std::fs::read_to_string(&sweep.table)?.contains("\nmember,speed,height,stopped\n0,"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -171,11 +171,11 @@ impl Sweep<'_> {
         }
     }
 
-    /// Makes the table of what is done, and takes the folder away.
+    /// Makes the table of what is done, and takes the folder away. `each` sees every member's quantities, in order.
     ///
     /// # Errors
     /// Members are missing, the table is there already, or a file cannot be read or written.
-    pub fn merge(&self) -> Result<Outcome, SweepError> {
+    pub fn merge(&self, mut each: impl FnMut(&[f64])) -> Result<Outcome, SweepError> {
         let folder = self.folder();
         folder.open(&self.identity)?;
         let unfinished = folder.unfinished();
@@ -187,6 +187,7 @@ impl Sweep<'_> {
                 outcome.stopped += 1;
                 outcome.first_stopped.get_or_insert_with(|| (index, reason.clone()));
             }
+            each(&row.quantities);
             sink.row(index, &self.design.values(index), &row).map_err(failed)
         })?;
         sink.finish().map_err(failed)?;
@@ -292,7 +293,7 @@ mod tests {
             quantities: vec![Column::new("sum", "m")],
             table: folder.join("table.csv"),
             format: Format::Csv,
-            identity: Identity::new([("the plan", "1".to_string())]),
+            identity: Identity::new([("plan", "1".to_string())]),
         }
     }
 
@@ -309,7 +310,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let sweep = sweep(design, folder.path());
         sweep.run(&sum, Share::WHOLE, 1, &|_| ()).unwrap();
-        let outcome = sweep.merge().unwrap();
+        let outcome = sweep.merge(|_| ()).unwrap();
         assert_eq!((outcome.members, outcome.stopped), (600, 1));
         assert_eq!(outcome.first_stopped, Some((17, "it \"fell\"".to_string())));
         fs::read_to_string(&sweep.table).unwrap()
@@ -322,7 +323,7 @@ mod tests {
         let lines: Vec<&str> = expected.lines().collect();
         assert_eq!(
             lines[..5],
-            ["# the plan: 1", "# unit of x: m", "# unit of y: 1", "# unit of sum: m", "member,x,y,sum,stopped"]
+            ["# plan: 1", "# unit of x: m", "# unit of y: 1", "# unit of sum: m", "member,x,y,sum,stopped"]
         );
         assert!(lines[5 + 17].ends_with(",2.0,,\"it \"\"fell\"\"\"") && lines[5 + 18].ends_with(",1.0,,"));
         for ranks in [1, 3, 7] {
@@ -330,10 +331,10 @@ mod tests {
             let sweep = sweep(&design, folder.path());
             for rank in (0..ranks).rev() {
                 assert!(!sweep.is_finished().unwrap());
-                assert!(rank + 1 == ranks || matches!(sweep.merge(), Err(SweepError::Missing { first: 0, .. })));
+                assert!(rank + 1 == ranks || matches!(sweep.merge(|_| ()), Err(SweepError::Missing { first: 0, .. })));
                 sweep.run(&sum, Share { rank, ranks }, 3, &|_| ()).unwrap();
             }
-            sweep.merge().unwrap();
+            sweep.merge(|_| ()).unwrap();
             assert_eq!(fs::read_to_string(&sweep.table).unwrap(), expected);
             assert!(!sweep.parts().exists());
             assert!(matches!(sweep.is_finished(), Err(SweepError::Exists { .. })));
@@ -361,7 +362,7 @@ mod tests {
             fs::File::options().write(true).open(&torn).unwrap().set_len(limit).unwrap();
             sweep.run(&count, Share::WHOLE, 2, &|_| ()).unwrap();
             assert_eq!(done.into_inner(), 600);
-            sweep.merge().unwrap();
+            sweep.merge(|_| ()).unwrap();
             assert_eq!(fs::read_to_string(&sweep.table).unwrap(), expected);
         }
     }
@@ -385,7 +386,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut sweep = sweep(&design, folder.path());
         sweep.run(&sum, Share { rank: 0, ranks: 2 }, 1, &|_| ()).unwrap();
-        sweep.identity = Identity::new([("the plan", "another".to_string())]);
+        sweep.identity = Identity::new([("plan", "another".to_string())]);
         assert!(matches!(sweep.is_finished(), Err(SweepError::Changed { .. })));
         assert!(matches!(sweep.run(&sum, Share::WHOLE, 1, &|_| ()), Err(SweepError::Changed { .. })));
         fs::write(&sweep.table, "mine").unwrap();

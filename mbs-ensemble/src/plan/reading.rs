@@ -63,6 +63,7 @@ impl Reader {
         let members = section.get("members").and_then(|value| self.count(value));
         let seed = section.get("seed").and_then(|value| self.natural(value)).map_or(0, |seed| seed.value);
         let kind = section.get("design").and_then(|value| self.kind(value)).unwrap_or_default();
+        let parameters = self.entries(section.get("parameters"), Self::amount);
         let fixed = self.entries(section.get("fixed"), Self::amount);
         let vary = self.entries(section.get("vary"), |reader, value| {
             Some(Located { value: reader.spread(value)?, span: value.span() })
@@ -74,7 +75,20 @@ impl Reader {
         let quantities = self.entries(section.get("quantities"), Self::quantity);
         self.finish(section);
         let mechanism = mechanism.map(|path| Located { value: PathBuf::from(path.value), span: path.span });
-        Plan { mechanism, members, seed, kind, fixed, vary, correlation, inputs, signals, motion, quantities }
+        Plan {
+            mechanism,
+            members,
+            seed,
+            kind,
+            parameters,
+            fixed,
+            vary,
+            correlation,
+            inputs,
+            signals,
+            motion,
+            quantities,
+        }
     }
 
     /// Keys that nobody has asked for.
@@ -260,7 +274,6 @@ impl Reader {
         let relative = section.get("rtol").and_then(|value| self.positive(value));
         let absolute = section.get("atol").and_then(|value| self.positive(value));
         let step = section.get("step").and_then(|value| self.amount(value));
-        let sample = section.get("sample").and_then(|value| self.amount(value));
         let until = section.get("until").and_then(|value| self.crossing(value));
         let span = section.span.clone();
         let is_missing = section.get("duration").is_none();
@@ -268,7 +281,7 @@ impl Reader {
         if is_missing {
             return self.fault(Fault::with_help(span, "`duration` is missing", "`duration = \"10 s\"`, for example"));
         }
-        Some(Motion { duration: duration?, method, relative, absolute, step, sample, until })
+        Some(Motion { duration: duration?, method, relative, absolute, step, until })
     }
 
     /// `{ zero = "height", direction = "falling" }`, or the formula alone.
