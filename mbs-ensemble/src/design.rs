@@ -5,7 +5,7 @@
 //! `k / points` at grid point `k % points`.
 
 use nalgebra::DMatrix;
-use rand_chacha::ChaCha8Rng;
+use chacha20::ChaCha8Rng;
 use statrs::distribution::ContinuousCDF;
 
 use crate::distribution::{Distribution, standard};
@@ -414,7 +414,7 @@ mod tests {
 
     #[test]
     fn members_have_random_numbers_of_their_own() {
-        use rand_chacha::rand_core::Rng;
+        use chacha20::rand_core::Rng;
         let design = design("members = 5\n[vary]\nm = { uniform = [0, 1] }").unwrap();
         let first: Vec<u64> = (0..5).map(|index| design.member(index).random().next_u64()).collect();
         let again: Vec<u64> = (0..5).rev().map(|index| design.member(index).random().next_u64()).rev().collect();

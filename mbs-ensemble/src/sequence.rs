@@ -1,7 +1,7 @@
 //! Points of the unit cube, each a function of seed and index alone.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use chacha20::ChaCha8Rng;
+use chacha20::rand_core::{Rng, SeedableRng};
 use sobol::Sobol;
 use sobol::params::JoeKuoD6;
 
@@ -50,7 +50,7 @@ pub enum Purpose {
 ///
 /// ```
 /// use mbs_ensemble::sequence::{Purpose, random};
-/// use rand_chacha::rand_core::Rng;
+/// use chacha20::rand_core::Rng;
 /// assert_eq!(random(1, Purpose::Motion, 7).next_u64(), random(1, Purpose::Motion, 7).next_u64());
 /// assert_ne!(random(1, Purpose::Motion, 7).next_u64(), random(1, Purpose::Motion, 8).next_u64());
 /// ```

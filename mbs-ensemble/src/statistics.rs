@@ -120,7 +120,7 @@ pub fn convergence(values: &[f64]) -> Vec<Moments> {
 
 #[cfg(test)]
 mod tests {
-    use rand_chacha::rand_core::Rng;
+    use chacha20::rand_core::Rng;
 
     use super::*;
     use crate::sequence::{Purpose, random, unit};

@@ -7,7 +7,7 @@
 //! simulation*, Probabilistic Engineering Mechanics 16, 2001; chains by I. Papaioannou, W. Betz, K. Zwirglmaier and
 //! D. Straub, *MCMC algorithms for subset simulation*, Probabilistic Engineering Mechanics 41, 2015, section 3.3.
 
-use rand_chacha::rand_core::Rng;
+use chacha20::rand_core::Rng;
 use statrs::distribution::ContinuousCDF;
 
 use crate::distribution::standard;

@@ -11,7 +11,7 @@
 //! analysis of model output*, Computer Physics Communications 181, 2010, table 2: (b) for `Sᵢ`, (f), which is Jansen's,
 //! for `Tᵢ`.
 
-use rand_chacha::rand_core::Rng;
+use chacha20::rand_core::Rng;
 
 use super::quantile;
 use crate::sequence::{Purpose, random};
