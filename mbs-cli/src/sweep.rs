@@ -56,6 +56,10 @@ pub(crate) struct Arguments {
     /// How many ranks there are.
     #[arg(long, value_name = "N", requires = "rank", value_parser = clap::value_parser!(u64).range(1..))]
     ranks: Option<u64>,
+    /// Do the share that `mpirun`, `srun` or another launcher gives this process, by its rank in the environment; the
+    /// last that is done makes the table.
+    #[arg(long, conflicts_with_all = ["rank", "dry_run", "merge", "summary"])]
+    launched: bool,
     /// Make the table of what all ranks have done, and run nothing.
     #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
     merge: bool,
@@ -74,13 +78,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if arguments.dry_run {
         return output::answer(|| preview_object(&study), || preview(&study));
     }
-    let share = match (arguments.rank, arguments.ranks) {
-        (Some(rank), Some(ranks)) if rank >= ranks => {
-            return Err(Failure::new(format_args!("--rank {rank} is none of {ranks}: the first is 0")));
-        }
-        (Some(rank), Some(ranks)) => Share { rank, ranks },
-        _ => Share::WHOLE,
-    };
+    let share = share(arguments)?;
     let sweep = Sweep {
         design: &study.design,
         quantities: study.columns.clone(),
@@ -97,15 +95,18 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if !arguments.merge {
         done = integrate(&sweep, &study, share, threads)?;
     }
-    if arguments.rank.is_some() {
-        let members = share.members(study.design.members());
-        let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": ENGINE });
-        let text = || format!("{} done; `--merge` makes the table\n", plural(done as usize, "member", "members"));
-        return output::answer(object, text);
+    let is_part = arguments.rank.is_some() || arguments.launched;
+    let is_last = arguments.launched && sweep.missing(Share::WHOLE).map_err(Failure::new)?.is_empty();
+    if is_part && !is_last {
+        return answer_share(share, &study, done);
     }
     let mut summary = arguments.summary.then(|| Summary::of(&study.design, &study.columns));
     let outcome = sweep.merge(|quantities| summary.iter_mut().for_each(|summary| summary.push(quantities)));
-    let outcome = outcome.map_err(Failure::new)?;
+    let outcome = match outcome {
+        // Two that were last make one table.
+        Err(SweepError::Busy { .. }) if arguments.launched => return answer_share(share, &study, done),
+        outcome => outcome.map_err(Failure::new)?,
+    };
     if let Some((first, reason)) = &outcome.first_stopped {
         let stopped = plural(outcome.stopped as usize, "member", "members");
         output::warn(format_args!("{stopped} of {} stopped; the first is {first}: {reason}", outcome.members));
@@ -118,6 +119,33 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         format!("{table}: {members}, {done} by the {ENGINE} on {threads} threads in {seconds:.1} s\n{shown}")
     };
     output::answer(|| object(&table, &outcome, summary.as_ref()), text)
+}
+
+/// Which members this process does.
+fn share(arguments: &Arguments) -> Result<Share, Failure> {
+    match (arguments.rank, arguments.ranks) {
+        (Some(rank), Some(ranks)) if rank >= ranks => {
+            Err(Failure::new(format_args!("--rank {rank} is none of {ranks}: the first is 0")))
+        }
+        (Some(rank), Some(ranks)) => Ok(Share { rank, ranks }),
+        _ if arguments.launched => Share::launched(|name| std::env::var(name).ok()).ok_or_else(|| {
+            Failure::new(
+                "--launched: no launcher has set a rank; OpenMPI, MPICH and Slurm do, others take --rank and --ranks",
+            )
+        }),
+        _ => Ok(Share::WHOLE),
+    }
+}
+
+/// What is said of a share.
+fn answer_share(share: Share, study: &Study, done: u64) -> Result<(), Failure> {
+    let members = share.members(study.design.members());
+    let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": ENGINE });
+    let text = || {
+        let (done, Share { rank, ranks }) = (plural(done as usize, "member", "members"), share);
+        format!("{done} done by rank {rank} of {ranks}; `--merge` makes the table of all\n")
+    };
+    output::answer(object, text)
 }
 
 /// What runs the equations; there is no other yet.

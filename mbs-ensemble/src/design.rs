@@ -4,8 +4,8 @@
 //! points of the grid, so that differences along the grid are not those of luck. The member with index k is draw
 //! `k / points` at grid point `k % points`.
 
-use nalgebra::DMatrix;
 use chacha20::ChaCha8Rng;
+use nalgebra::DMatrix;
 use statrs::distribution::ContinuousCDF;
 
 use crate::distribution::{Distribution, standard};

@@ -69,6 +69,9 @@ pub fn digest(bytes: &[u8]) -> String {
 /// The name of the text that says what a folder is of.
 const IDENTITY: &str = "ensemble";
 
+/// The name of the file that whoever makes the table locks.
+const MERGER: &str = "merger";
+
 /// What the names of files of records begin with.
 const ROWS: &str = "rows-";
 
@@ -257,17 +260,27 @@ impl Folder {
         payload.is_empty().then_some(rows)
     }
 
+    /// A file in it that no other process has locked, or will until it is closed.
+    fn locked(&self, name: &str) -> Result<(PathBuf, File), SweepError> {
+        let path = self.path.join(name);
+        let opened = OpenOptions::new().read(true).append(true).create(true).open(&path);
+        let file = opened.map_err(|error| SweepError::io("write", &path, error))?;
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => Err(SweepError::Busy { path }),
+            // Where a file system knows no locks, nothing is known of other processes.
+            Ok(()) | Err(TryLockError::Error(_)) => Ok((path, file)),
+        }
+    }
+
+    /// What only one process has at a time: the right to make the table.
+    pub(crate) fn merger(&self) -> Result<File, SweepError> {
+        self.locked(MERGER).map(|(_, file)| file)
+    }
+
     /// The file that one of some processes appends to, without what was not finished there.
     pub(crate) fn journal(&self, rank: u64, ranks: u64) -> Result<Journal, SweepError> {
-        let path = self.path.join(format!("{ROWS}{rank}-of-{ranks}"));
+        let (path, file) = self.locked(&format!("{ROWS}{rank}-of-{ranks}"))?;
         let failed = |error| SweepError::io("write", &path, error);
-        let file = OpenOptions::new().read(true).append(true).create(true).open(&path).map_err(failed)?;
-        match file.try_lock() {
-            Ok(()) => {}
-            Err(TryLockError::WouldBlock) => return Err(SweepError::Busy { path }),
-            // Where a file system knows no locks, nothing is known of other processes.
-            Err(TryLockError::Error(_)) => {}
-        }
         let (_, end) = self.records(&path, 0)?;
         if file.metadata().map_err(failed)?.len() > end {
             file.set_len(end).map_err(failed)?;
@@ -281,7 +294,7 @@ impl Folder {
         for file in self.files()? {
             fs::remove_file(file).map_err(failed)?;
         }
-        for file in [self.unfinished(), self.path.join(IDENTITY)] {
+        for file in [self.unfinished(), self.path.join(MERGER), self.path.join(IDENTITY)] {
             match fs::remove_file(file) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
                 _ => {}

@@ -7,7 +7,8 @@
 //! - [`plan`]: a text of TOML says what varies and how;
 //! - [`design`]: from an index to a member's values;
 //! - [`distribution`], [`sequence`]: quantiles of distributions, and points of the unit cube to ask for;
-//! - [`sweep`]: members on all cores, or on several machines; [`journal`]: what is done of them; [`table`]: CSV, Parquet;
+//! - [`sweep`]: members on all cores, or on several machines; [`journal`]: what is done of them; [`table`]: CSV,
+//!   Parquet;
 //! - [`statistics`]: what all members say together, and how sure that is;
 //! - [`fault`]: what is wrong with a plan; [`error`]: why a run is not finished; [`vocabulary`]: the variables that a
 //!   plan may speak of.

@@ -42,6 +42,30 @@ impl Share {
     /// All members.
     pub const WHOLE: Share = Share { rank: 0, ranks: 1 };
 
+    /// The share that a launcher of processes gives this one, by the variables that OpenMPI, MPICH and Slurm set: its
+    /// rank, and how many there are; `None` without.
+    ///
+    /// ```
+    /// use mbs_ensemble::Share;
+    /// let variable = |name: &str| match name {
+    ///     "OMPI_COMM_WORLD_RANK" => Some("2".to_string()),
+    ///     "OMPI_COMM_WORLD_SIZE" => Some("4".to_string()),
+    ///     _ => None,
+    /// };
+    /// assert_eq!(Share::launched(variable), Some(Share { rank: 2, ranks: 4 }));
+    /// assert_eq!(Share::launched(|_| None), None);
+    /// ```
+    pub fn launched(variable: impl Fn(&str) -> Option<String>) -> Option<Share> {
+        const LAUNCHERS: [[&str; 2]; 3] = [
+            ["OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"],
+            ["PMI_RANK", "PMI_SIZE"],
+            ["SLURM_PROCID", "SLURM_NTASKS"],
+        ];
+        let number = |name: &str| variable(name)?.trim().parse().ok();
+        let share = |[rank, ranks]: [&str; 2]| Some(Share { rank: number(rank)?, ranks: number(ranks)? });
+        LAUNCHERS.into_iter().find_map(share).filter(|share| share.rank < share.ranks)
+    }
+
     /// Those of this rank.
     pub fn members(self, of: u64) -> Range<u64> {
         let at = |rank: u64| (u128::from(of) * u128::from(rank) / u128::from(self.ranks)) as u64;
@@ -174,10 +198,11 @@ impl Sweep<'_> {
     /// Makes the table of what is done, and takes the folder away. `each` sees every member's quantities, in order.
     ///
     /// # Errors
-    /// Members are missing, the table is there already, or a file cannot be read or written.
+    /// Members are missing, the table is there already, another process makes it, or a file cannot be read or written.
     pub fn merge(&self, mut each: impl FnMut(&[f64])) -> Result<Outcome, SweepError> {
         let folder = self.folder();
         folder.open(&self.identity)?;
+        let _merger = folder.merger()?;
         let unfinished = folder.unfinished();
         let failed = |error| SweepError::io("write", &unfinished, error);
         let mut outcome = Outcome { members: self.design.members(), ..Outcome::default() };

@@ -58,8 +58,8 @@ fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion
     }
 }
 
-/// What there is to say where the state is off the constraints; rows of A that depend on others, though they must not, are
-/// an error.
+/// What there is to say where the state is off the constraints; rows of A that depend on others, though they must not,
+/// are an error.
 pub(crate) fn leave_open(
     equations: &Equations<'_>,
     motion: &Motion,

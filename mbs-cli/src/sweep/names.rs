@@ -1,5 +1,5 @@
-//! The variables of a mechanism that a plan may fix or vary: parameters, coordinates, their rates, and inputs, component
-//! by component.
+//! The variables of a mechanism that a plan may fix or vary: parameters, coordinates, their rates, and inputs,
+//! component by component.
 
 use mbs_derive::model::Unit;
 use mbs_derive::optimise::Derivation;

@@ -7,7 +7,7 @@ use mbs_ensemble::statistics::{Moments, quantile, quantile_interval};
 use mbs_ensemble::table::Column;
 use serde_json::{Value, json};
 
-/// Of the bounds.
+/// The confidence of all bounds.
 const CONFIDENCE: f64 = 0.95;
 
 /// What quantiles are shown.

@@ -1,4 +1,5 @@
-//! `mbs sweep`: what a table holds, that it is the same bytes whatever made it, and what is said of plans that are wrong.
+//! `mbs sweep`: what a table holds, that it is the same bytes whatever made it, and what is said of plans that are
+//! wrong.
 
 use std::path::Path;
 use std::process::Stdio;
@@ -115,7 +116,7 @@ fn tables_are_the_same_bytes_whatever_made_them() {
     workshop.good(&["sweep", "plan.toml", "--out", "one.csv", "--threads", "1"]);
     workshop.good(&["sweep", "plan.toml", "--out", "four.csv", "--threads", "4"]);
     let rank = |rank: &str| workshop.good(&["sweep", "plan.toml", "--out", "all.csv", "--rank", rank, "--ranks", "3"]);
-    assert_eq!(rank("2"), "14 members done; `--merge` makes the table\n");
+    assert_eq!(rank("2"), "14 members done by rank 2 of 3; `--merge` makes the table of all\n");
     let report = workshop.bad(&["sweep", "plan.toml", "--out", "all.csv", "--merge"]);
     assert_eq!(report, "error: members 0 to 25 are missing\n");
     rank("0");
@@ -163,6 +164,55 @@ fn killed_runs_go_on() {
     }
     workshop.good(&["sweep", "plan.toml", "--out", "torn.csv"]);
     assert!(workshop.read("torn.csv") == calm);
+}
+
+/// Ranks of a launcher, one of which is killed; fewer of them do the rest, and the last makes the table. Skipped, by
+/// name, where there is no `mpirun` of OpenMPI.
+#[cfg(target_os = "linux")]
+#[test]
+fn ranks_of_mpi_go_on_after_one_has_died() {
+    let version = std::process::Command::new("mpirun").arg("--version").output();
+    if !version.is_ok_and(|output| String::from_utf8_lossy(&output.stdout).contains("Open MPI")) {
+        eprintln!("skipped: ranks of MPI, there is no mpirun of OpenMPI");
+        return;
+    }
+    let workshop = workshop();
+    workshop.write("plan.toml", PLAN.replace("members = 20", "members = 300"));
+    workshop.good(&["sweep", "plan.toml", "--out", "one.csv"]);
+    let program = env!("CARGO_BIN_EXE_mbs");
+    let launch = |ranks: &str| {
+        let mut command = std::process::Command::new("mpirun");
+        command.args(["--allow-run-as-root", "--oversubscribe", "-n", ranks, program, "sweep", "plan.toml"]);
+        command.args(["--out", "all.csv", "--threads", "1", "--launched"]);
+        command.current_dir(workshop.0.path()).env("MBS_CACHE_DIR", workshop.path("cache"));
+        command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    };
+    // The death of a rank ends the job, as `mpirun` sees to it: rank 1 of 4 is killed as soon as it has done something.
+    let job = launch("4").spawn().unwrap();
+    let rows = workshop.path("all.csv.parts/rows-1-of-4");
+    while !std::fs::metadata(&rows).is_ok_and(|metadata| metadata.len() > 0) {
+        std::thread::sleep(Duration::from_millis(2));
+        assert!(!workshop.path("all.csv").exists(), "it was faster");
+    }
+    let victim = std::fs::read_dir("/proc")
+        .unwrap()
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok()?.parse().ok());
+    let is_rank_1 = |pid: &u32| {
+        std::fs::read(format!("/proc/{pid}/environ")).is_ok_and(|environment| {
+            let has = |text: &str| environment.split(|byte| *byte == 0).any(|variable| variable == text.as_bytes());
+            has("OMPI_COMM_WORLD_RANK=1") && has(&format!("MBS_CACHE_DIR={}", workshop.path("cache").display()))
+        })
+    };
+    for pid in victim.filter(is_rank_1) {
+        std::process::Command::new("kill").args(["-9", &pid.to_string()]).status().unwrap();
+    }
+    let ended = job.wait_with_output().unwrap();
+    assert!(!ended.status.success() && !workshop.path("all.csv").exists(), "{ended:?}");
+    let ended = launch("3").output().unwrap();
+    assert!(ended.status.success(), "{ended:?}");
+    assert!(workshop.read("all.csv") == workshop.read("one.csv"));
+    assert!(!workshop.path("all.csv.parts").exists());
 }
 
 /// What a plan is refused with; nothing is written.
@@ -353,10 +403,12 @@ fn motions_end_at_events() {
 fn plans_of_the_examples_run() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/ensembles");
     let Ok(entries) = std::fs::read_dir(&folder) else { return };
-    let plans: Vec<_> = entries
-        .map(|entry| entry.unwrap().path())
-        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
-        .collect();
+    // A plan without a mechanism is of a program.
+    let is_ours = |path: &std::path::PathBuf| {
+        path.extension().is_some_and(|extension| extension == "toml")
+            && std::fs::read_to_string(path).unwrap().contains("\nmechanism = ")
+    };
+    let plans: Vec<_> = entries.map(|entry| entry.unwrap().path()).filter(is_ours).collect();
     assert!(plans.len() >= 3, "{plans:?}");
     let workshop = Workshop::new();
     for plan in plans {

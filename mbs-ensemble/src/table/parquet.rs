@@ -1,4 +1,4 @@
-//! The table as Apache Parquet: a row group every so many members, so that memory does not grow with their number.
+//! The table as Apache Parquet, in row groups of as many members as memory holds easily, whatever their number.
 
 use std::fs::File;
 use std::io;
