@@ -136,6 +136,7 @@ impl Reading<'_> {
             return self.missing(None, "the plan wants no quantities", help);
         }
         self.check_names()?;
+        self.check_parameters()?;
 
         let sources = mechanism::open(&self.folder.join(&file.value), files)?;
         let original = sources.clone();
@@ -182,12 +183,24 @@ impl Reading<'_> {
         Ok(study)
     }
 
+    /// Parameters that are added to the declaration: names of the language, and numbers with units.
+    fn check_parameters(&self) -> Result<(), Failure> {
+        let mut faults = Vec::new();
+        for entry in &self.plan.parameters {
+            if !is_word(&entry.name.value) {
+                faults.push(Fault::new(entry.name.span.clone(), "a name is made of letters, digits and `_`"));
+            }
+            let Amount::Text(text) = &entry.value.value else { continue };
+            let unit = text.trim().split_once(' ').map_or("1", |(_, unit)| unit);
+            if let Err(reason) = Unit(unit).in_si(text.trim()) {
+                faults.push(Fault::new(entry.value.span.clone(), format!("{text:?}: {reason}")));
+            }
+        }
+        if faults.is_empty() { Ok(()) } else { Err(self.text.refused(&Faults::from(faults))) }
+    }
+
     /// Quantities are columns: they have names of their own that every reader of tables takes.
     fn check_names(&self) -> Result<(), Failure> {
-        let is_word = |name: &str| {
-            name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-                && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
-        };
         let varied: Vec<&str> = self.plan.vary.iter().map(|entry| entry.name.value.as_str()).collect();
         for entry in &self.plan.quantities {
             let Located { value: name, span } = &entry.name;
@@ -431,6 +444,12 @@ impl Reading<'_> {
         let help = "cut the distribution off, `within = [lowest, highest]`, or let it be lognormal";
         Err(self.text.fault(Fault::with_help(span, message, help)))
     }
+}
+
+/// Whether a text is a name of the language.
+fn is_word(name: &str) -> bool {
+    name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
 }
 
 /// A parameter's name and its value as the language writes it: `2.5 N*m`.

@@ -103,6 +103,7 @@ fn examples_of_the_help_run() {
         "motion.csv",
         "motion.svg",
         "swings.csv",
+        "swings.svg",
         "pendulum.fmu",
         "report.html",
         "arm.mbs",
@@ -198,6 +199,7 @@ fn every_command_speaks_json() {
     workshop.write("swings.toml", SWINGS);
     let swept = json(&["sweep", "swings.toml"]);
     assert_eq!((&swept["members"], &swept["written"]), (&3.into(), &serde_json::json!(["swings.csv"])));
+    assert_eq!(json(&["plot", "swings.csv", "--out", "a.png"])["written"], serde_json::json!(["a.png"]));
     assert_eq!(json(&["new", "swing"])["template"], "pendulum");
     assert!(json(&["explain"]).as_array().unwrap().len() > 100);
     assert_eq!(json(&["completions", "fish"])["shell"], "fish");

@@ -261,6 +261,17 @@ fn wrong_units_are_named() {
     );
 }
 
+/// What a formula needs and the mechanism has not.
+#[test]
+fn added_parameters_are_numbers_with_units() {
+    refused(
+        "m_per_number = \"1 m\"",
+        "m_per_number = \"one m\"",
+        "error[MBS0310]: \"one m\": write a number and its unit, as in \"20 deg\"\n  --> plan.toml:27:16\n   |\n27 | \
+         m_per_number = \"one m\"\n   |                ^^^^^^^\n",
+    );
+}
+
 /// The tail of a normal distribution: found among all members before one of them moves.
 #[test]
 fn masses_that_are_not_positive_are_found_first() {
@@ -364,6 +375,30 @@ fn summaries_tell_quantiles_and_sensitivities() {
     std::fs::remove_file(workshop.path("plan.csv")).unwrap();
     let text = workshop.good(&["sweep", "plan.toml", "--summary"]);
     assert!(text.contains("\ngreatest [m/s]       512") && text.contains("\ngreatest             k   "), "{text}");
+}
+
+/// Histograms, fans and parallel coordinates; the same bytes each time.
+#[test]
+fn tables_are_drawn() {
+    let workshop = workshop();
+    workshop.good(&["sweep", "plan.toml"]);
+    let draw = |options: &[&str]| {
+        workshop.good(&[&["plot", "plan.csv", "--out", "a.svg"], options].concat());
+        workshop.read("a.svg")
+    };
+    let all = draw(&[]);
+    assert!(["quarter [s]", "k [N/m]", "40 members"].iter().all(|text| all.contains(text)) && !all.contains("never"));
+    assert_eq!(all, draw(&[]));
+    let one = draw(&["--columns", "quarter"]);
+    assert!(one.contains("quarter [s]") && !one.contains("greatest"));
+    let fan = draw(&["--columns", "quarter", "--over", "k"]);
+    assert!(fan.contains("median") && fan.contains("k [N/m]"));
+    let parallel = draw(&["--parallel", "--columns", "m,k,quarter"]);
+    assert!(parallel.contains("1: m, 2: k, 3: quarter"));
+    let report = workshop.bad(&["plot", "plan.csv", "--out", "b.svg", "--over", "quater"]);
+    assert_eq!(report, "error: there is no column `quater`; did you mean \"quarter\"?\n");
+    assert!(workshop.bad(&["plot", "plan.csv", "--out", "plan.csv.svg/x.svg"]).starts_with("error: cannot write "));
+    assert!(workshop.bad(&["plot", "missing.csv", "--out", "b.svg"]).starts_with("error: cannot read missing.csv: "));
 }
 
 #[test]
