@@ -14,6 +14,8 @@ environment="$CARGO_TARGET_DIR/venv"
 [ -x "$environment/bin/python" ] || python3 -m venv "$environment"
 "$environment/bin/python" -m pip install --quiet --disable-pip-version-check 'maturin>=1.8,<2' numpy pytest ruff mypy \
   || skip "pip installs no packages here"
+"$environment/bin/python" -m pip install --quiet --disable-pip-version-check distributed \
+  || echo "skipped: ensembles under Dask, pip does not install distributed"
 # shellcheck disable=SC1091
 . "$environment/bin/activate"
 rm -rf "$CARGO_TARGET_DIR/wheels"

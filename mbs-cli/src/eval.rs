@@ -80,7 +80,7 @@ impl Moving {
         match redundant.filter(|_| is_constrained) {
             None => {}
             Some(Redundant::Refuse) => {
-                assembly::check_rows(&equations, &equations.start(), RedundantRows::Refuse)?;
+                assembly::check_rows(&equations, &equations.start(), RedundantRows::Refuse).map_err(Failure::new)?;
             }
             // What all rows bear together, and the accelerations, are the same.
             Some(Redundant::LeastNorm) if accelerations.iter().all(|x| x.is_finite()) => {

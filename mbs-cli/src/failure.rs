@@ -21,6 +21,11 @@ impl Failure {
         Failure(Messages::several(Severity::Error, messages))
     }
 
+    /// The message alone, for where it becomes a part of something else.
+    pub(crate) fn text(&self) -> String {
+        self.0.plain_text()
+    }
+
     /// What standard error says.
     pub(crate) fn messages(&self) -> &Messages {
         &self.0

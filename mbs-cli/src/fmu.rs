@@ -118,7 +118,9 @@ fn start(arguments: &Arguments, derivation: &Derivation) -> Result<Point, Failur
         let equations = Equations::new(derivation, &point)?;
         let mut motion = equations.start();
         let held = vec![false; derivation.dof()];
-        assembly::assemble(&equations, &mut motion, &held, RedundantRows::LeaveOut)?;
+        let moved =
+            assembly::assemble(&equations, &mut motion, &held, RedundantRows::LeaveOut).map_err(Failure::new)?;
+        moved.iter().for_each(output::warn);
         (point.state.q, point.state.qd) = (motion.q, motion.qd);
     }
     Ok(point)

@@ -8,6 +8,7 @@
 //! - [`eval`]: every function's value at given states;
 //! - [`linearize`]: the linear system about a state, its poles, what inputs reach;
 //! - [`simulate`]: a motion as a table and as a figure;
+//! - [`sweep`]: many motions as one table; [`plot`]: that table as a figure;
 //! - [`fmu`]: the mechanism for tools that speak FMI;
 //! - [`mod@report`]: all of it on one page, moving;
 //! - [`new`]: a crate around a mechanism;
@@ -48,10 +49,12 @@ mod message;
 mod new;
 mod ops;
 mod output;
+mod plot;
 mod report;
 mod scene;
 mod simulate;
 mod state;
+mod sweep;
 mod watch;
 mod words;
 
@@ -62,11 +65,12 @@ use clap::{CommandFactory, Parser, Subcommand};
 use cache::Cache;
 use failure::Failure;
 
+/// What stands below the help.
+const EXIT_CODES: &str = "Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage.\n`mbs COMMAND --help` has options and an example.";
+
 /// Mechanisms from energies to proved equations of motion, and to motion.
-///
-/// Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage.
 #[derive(Parser)]
-#[command(name = "mbs", version, after_help = "`mbs COMMAND --help` has options and an example.")]
+#[command(name = "mbs", version, after_help = EXIT_CODES)]
 struct Arguments {
     /// Derive and prove the mechanism in any case. Else what an earlier call has derived from the same texts is taken
     /// from the user's cache folder, or from MBS_CACHE_DIR.
@@ -88,6 +92,8 @@ enum Command {
     Eval(eval::Arguments),
     Linearize(linearize::Arguments),
     Simulate(Box<simulate::Arguments>),
+    Sweep(sweep::Arguments),
+    Plot(plot::Arguments),
     Fmu(fmu::Arguments),
     Fmt(format::Arguments),
     #[cfg(feature = "lsp")]
@@ -124,6 +130,8 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Eval(arguments) => eval::run(&arguments, cache),
         Command::Linearize(arguments) => linearize::run(&arguments, cache),
         Command::Simulate(arguments) => simulate::run(&arguments, cache),
+        Command::Sweep(arguments) => sweep::run(&arguments, cache),
+        Command::Plot(arguments) => plot::run(&arguments),
         Command::Fmu(arguments) => fmu::run(&arguments, cache),
         Command::Fmt(arguments) => format::run(&arguments),
         #[cfg(feature = "lsp")]

@@ -16,6 +16,7 @@ use crate::files::Files;
 use crate::message::Messages;
 use crate::output;
 use crate::scene::Scene;
+use crate::simulate::drive;
 
 /// A mechanism whose programs are proved.
 #[derive(Serialize, Deserialize)]
@@ -160,12 +161,16 @@ pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> 
 
     let proof = analysis.prove(analysis.programs()).map_err(refused)?;
     let also = also(&analysis);
+    // What is evaluated along a motion, and enters no equation, may have kinks.
+    let mut warnings = analysis.warnings(Some(&proof));
+    let watched = drive::places_of_watched(sources.main().text.as_deref().unwrap_or_default());
+    warnings.retain(|warning| !watched.iter().any(|place| place.contains(&warning.span.start)));
     let mechanism = Mechanism {
         bodies: analysis.lagrangian().bodies().0.len(),
         proved_at: proof.states,
         singular_at: proof.singular,
         evidence: Evidence::of(&proof),
-        warnings: Messages::of(&analysis.warnings(Some(&proof)), sources),
+        warnings: Messages::of(&warnings, sources),
         derivation: analysis.into_programs(),
     };
     Ok(Derived { mechanism, derive_seconds, also })

@@ -51,6 +51,11 @@ impl Messages {
         Messages { text: diagnostics.render_in(sources), items: diagnostics.iter().map(item).collect() }
     }
 
+    /// The messages without severities and places, one behind the other.
+    pub(crate) fn plain_text(&self) -> String {
+        self.items.iter().map(|item| item.message.as_str()).collect::<Vec<_>>().join("; ")
+    }
+
     /// Why there is no derivation.
     pub(crate) fn of_error(error: &Error, sources: &Sources) -> Self {
         match error {

@@ -6,6 +6,7 @@ use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use mbs_chart::Format;
 use mbs_derive::diagnostic::Severity;
 use serde_json::Value;
 use tempfile::NamedTempFile;
@@ -194,6 +195,17 @@ impl Staged {
             },
         };
         done.map_err(|error| cannot_write(&self.path, &error))
+    }
+}
+
+/// The path of a figure, whose ending says what it is.
+pub(crate) fn figure_path(text: &str) -> Result<(PathBuf, Format), String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("svg") => Ok((path, Format::Svg)),
+        Some("png") => Ok((path, Format::Png)),
+        _ => Err("a figure ends in .svg or .png".to_string()),
     }
 }
 

@@ -113,7 +113,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
     /// Draw coordinates, velocities, energies and what is recorded over time, a panel for each unit.
-    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = figure_path)]
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = output::figure_path)]
     plot: Option<(PathBuf, Format)>,
     /// Write the moving bodies as an animated glTF 2.0 binary, for any viewer: inertia ellipsoids, points, and lines
     /// between what is joined.
@@ -144,7 +144,13 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
-    let drives = Drives { inputs: &arguments.input, signals: &arguments.signal };
+    let drives = Drives {
+        options: drive::OPTIONS,
+        inputs: &arguments.input,
+        signals: &arguments.signal,
+        parameters: &[],
+        watched: &[],
+    };
     drives.note(&mut files);
     let sources = drives.declared(sources)?;
     mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);
@@ -357,14 +363,4 @@ fn finite(text: &str) -> Result<f64, String> {
 fn positive(text: &str) -> Result<f64, String> {
     let number = finite(text)?;
     if number > 0.0 { Ok(number) } else { Err("it must be positive".to_string()) }
-}
-
-fn figure_path(text: &str) -> Result<(PathBuf, Format), String> {
-    let path = PathBuf::from(text);
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
-    match extension.as_deref() {
-        Some("svg") => Ok((path, Format::Svg)),
-        Some("png") => Ok((path, Format::Png)),
-        _ => Err("a figure ends in .svg or .png".to_string()),
-    }
 }

@@ -194,6 +194,22 @@ impl Diagnostics {
         self.errors
     }
 
+    /// Keeps the messages that are to be seen, and forgets the others.
+    ///
+    /// ```
+    /// # use mbs_derive::diagnostic::Diagnostics;
+    /// let mut errors = Diagnostics::default();
+    /// errors.data(1..2, "one");
+    /// errors.data(5..6, "two");
+    /// errors.retain(|message| message.span.start > 3);
+    /// assert_eq!((errors.error_count(), errors.iter().next().unwrap().message.as_str()), (1, "two"));
+    /// ```
+    pub fn retain(&mut self, keep: impl Fn(&Diagnostic) -> bool) {
+        let forgotten = self.messages.iter().filter(|m| m.severity == Severity::Error && !keep(m)).count();
+        self.errors -= forgotten;
+        self.messages.retain(keep);
+    }
+
     /// A pass's last line: `value` where nothing was wrong with it, else the messages.
     pub fn finish<T>(self, value: T) -> Result<T, Self> {
         if self.has_errors() { Err(self) } else { Ok(value) }

@@ -13,6 +13,8 @@
 /// The examples of the book in Rust.
 #[cfg(doctest)]
 pub mod book {
+    #[doc = include_str!("../../docs/ensembles.md")]
+    pub mod ensembles {}
     #[doc = include_str!("../../docs/integrators.md")]
     pub mod integrators {}
     #[doc = include_str!("../../docs/mathematics/constraints.md")]

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 const LANDING: &str = env!("CARGO_BIN_EXE_quadrotor_landing");
 const MONTE_CARLO: &str = env!("CARGO_BIN_EXE_landing_monte_carlo");
+const SWEEP: &str = env!("CARGO_BIN_EXE_landing_sweep");
 
 /// Touchdown time \[s\], relative velocity \[m/s\] and horizontal offset \[m\] of `quad.landing` of the reference
 /// values.
@@ -204,6 +205,26 @@ fn members_do_not_depend_on_the_number_of_threads() {
         assert!(low < mean && mean < high && deviation > 0.0, "{name}");
     }
     assert_ne!(one["digest"], json(&good(MONTE_CARLO, &["--json", "--members", "23"]))["digest"]);
+}
+
+/// The landings of a plan: a table of rows that do not depend on threads.
+#[test]
+fn landings_of_a_plan_are_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |threads: &str| {
+        let table = folder.path().join(format!("{threads}.csv"));
+        let file = table.to_str().unwrap();
+        let found = json(&good(SWEEP, &["--json", "--members", "12", "--threads", threads, "--table", file]));
+        (found, std::fs::read_to_string(table).unwrap())
+    };
+    let (one, table) = with("1");
+    assert_eq!((&one, &table), (&with("2").0, &with("3").1));
+    assert_eq!((&one["members"], &one["stopped"]), (&Value::from(12), &Value::from(0)));
+    let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!((rows.len(), rows[0].split(',').count()), (13, 1 + 9 + 3 + 1));
+    // As fast as the reference touches down, but for what is scattered.
+    let [mean, deviation] = ["mean", "sd"].map(|key| numbers(&one["touchdown_time"][key])[0]);
+    assert!((mean - 13.25).abs() < 0.5 && deviation > 0.0, "{one}");
 }
 
 #[test]

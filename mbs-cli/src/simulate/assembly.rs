@@ -4,25 +4,23 @@ use mbs_derive::optimise::FunctionKind;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::equations::{Equations, Motion};
-use crate::failure::Failure;
-use crate::output;
 use crate::words::abridged;
 
 /// A change of a coordinate by less than this, relative to 1 or its size, is rounding of the input.
 const NOTICEABLE: f64 = 1e-9;
 
-/// Brings the state onto the constraints, those coordinates excepted that are held, and says so where that is more than
-/// rounding.
+/// Brings the state onto the constraints, those coordinates excepted that are held; what there is to say where that is
+/// more than rounding.
 pub(crate) fn assemble(
     equations: &Equations<'_>,
     motion: &mut Motion,
     held: &[bool],
     redundant_rows: RedundantRows,
-) -> Result<(), Failure> {
+) -> Result<Option<String>, String> {
     let t = equations.start_time();
     let given = motion.clone();
     if let Err(error) = equations.projector(redundant_rows).assemble(equations, t, motion, |i| held[i]) {
-        return Err(Failure::new(unassembled(equations, error, &given, held)));
+        return Err(unassembled(equations, error, &given, held));
     }
     let moved =
         |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(a, b)| (a - b).abs() > NOTICEABLE * (1.0 + a.abs()));
@@ -32,13 +30,8 @@ pub(crate) fn assemble(
             changes.push(format!("{name} = {to:?}"));
         }
     }
-    if !changes.is_empty() {
-        output::warn(format_args!(
-            "the state does not satisfy the constraints; the motion starts from {}",
-            changes.join(", ")
-        ));
-    }
-    Ok(())
+    let starts = "the state does not satisfy the constraints; the motion starts from";
+    Ok((!changes.is_empty()).then(|| format!("{starts} {}", changes.join(", "))))
 }
 
 /// Why there is no first state, where that shows, and what may help.
@@ -65,12 +58,13 @@ fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion
     }
 }
 
-/// Says so where the state is off the constraints, or rows of A depend on others though they must not.
+/// What there is to say where the state is off the constraints; rows of A that depend on others, though they must not,
+/// are an error.
 pub(crate) fn leave_open(
     equations: &Equations<'_>,
     motion: &Motion,
     redundant_rows: RedundantRows,
-) -> Result<(), Failure> {
+) -> Result<Option<String>, String> {
     let t = equations.start_time();
     check_rows(equations, motion, redundant_rows)?;
     let state = equations.state(t, &motion.q, &motion.qd);
@@ -84,10 +78,7 @@ pub(crate) fn leave_open(
             open.push(format!("the rate of `{name}` by {:e}", rates[row]));
         }
     }
-    if !open.is_empty() {
-        output::warn(format_args!("the motion starts off the constraints: {}", abridged(&open)));
-    }
-    Ok(())
+    Ok((!open.is_empty()).then(|| format!("the motion starts off the constraints: {}", abridged(&open))))
 }
 
 /// Whether no row of A depends on others, or they may.
@@ -95,17 +86,15 @@ pub(crate) fn check_rows(
     equations: &Equations<'_>,
     motion: &Motion,
     redundant_rows: RedundantRows,
-) -> Result<(), Failure> {
+) -> Result<(), String> {
     let t = equations.start_time();
     let mut rows = Vec::new();
     equations
         .projector(redundant_rows)
         .rank(equations, t, &motion.q, |row| rows.push(row))
-        .map_err(|error| Failure::new(explained(equations, error, t, motion)))?;
+        .map_err(|error| explained(equations, error, t, motion))?;
     match (rows.first(), redundant_rows) {
-        (Some(&row), RedundantRows::Refuse) => {
-            Err(Failure::new(explained(equations, ConstraintError::Redundant { row }, t, motion)))
-        }
+        (Some(&row), RedundantRows::Refuse) => Err(explained(equations, ConstraintError::Redundant { row }, t, motion)),
         _ => Ok(()),
     }
 }

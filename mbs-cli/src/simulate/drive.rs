@@ -40,6 +40,25 @@ enum Source {
     Table(PathBuf),
 }
 
+impl Drive {
+    /// What gives a variable: a formula, or `@` and the file of a table, a path from this folder.
+    pub(crate) fn new(name: &str, value: &str, folder: &Path) -> Self {
+        let source = match value.trim().strip_prefix('@') {
+            Some(file) => Source::Table(folder.join(file)),
+            None => Source::Formula(value.trim().to_string()),
+        };
+        Drive { name: name.to_string(), source }
+    }
+
+    /// The file of its table, if it is one.
+    pub(crate) fn table(&self) -> Option<&Path> {
+        match &self.source {
+            Source::Table(path) => Some(path),
+            Source::Formula(_) => None,
+        }
+    }
+}
+
 impl std::str::FromStr for Drive {
     type Err = String;
 
@@ -47,26 +66,35 @@ impl std::str::FromStr for Drive {
         let form = "write `name=formula` or `name=@table.csv`";
         let (name, value) = text.split_once('=').ok_or(form)?;
         let (name, value) = (name.trim().to_string(), value.trim());
-        let source = match value.strip_prefix('@') {
-            Some(file) => Source::Table(PathBuf::from(file)),
-            None => Source::Formula(value.to_string()),
-        };
-        if name.is_empty() || value.is_empty() { Err(form.to_string()) } else { Ok(Drive { name, source }) }
+        if name.is_empty() || value.is_empty() {
+            Err(form.to_string())
+        } else {
+            Ok(Drive::new(&name, value, Path::new("")))
+        }
     }
 }
 
 /// All that was asked for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Drives<'a> {
+    /// How messages call the places where inputs and signals are given.
+    pub(crate) options: [&'static str; 2],
     pub(crate) inputs: &'a [Drive],
     pub(crate) signals: &'a [Drive],
+    /// Parameters for formulas that the mechanism does not have, with their values: `2 N*m`.
+    pub(crate) parameters: &'a [(String, String)],
+    /// Formulas that give nothing, but are evaluated along the motion: see [`watched`].
+    pub(crate) watched: &'a [String],
 }
+
+/// What messages of `mbs simulate` call the places where inputs and signals are given.
+pub(crate) const OPTIONS: [&str; 2] = ["--input", "--signal"];
 
 impl Drives<'_> {
     /// Notes the files of tables.
     pub(crate) fn note(&self, files: &mut Files) {
         for drive in self.inputs.iter().chain(self.signals) {
-            if let Source::Table(path) = &drive.source {
+            if let Some(path) = drive.table() {
                 files.reads("the table", path);
             }
         }
@@ -79,13 +107,16 @@ impl Drives<'_> {
 
     /// The declaration with the formulas in it.
     pub(crate) fn declared(&self, sources: Sources) -> Result<Sources, Failure> {
-        for (option, drives) in [("--input", self.inputs), ("--signal", self.signals)] {
+        let [input, signal] = self.options;
+        for (option, drives) in [(input, self.inputs), (signal, self.signals)] {
             let again = |(i, drive): &(usize, &Drive)| drives[..*i].iter().any(|other| other.name == drive.name);
             if let Some((_, drive)) = drives.iter().enumerate().find(again) {
                 return Err(Failure::new(format_args!("{option} {} is given twice", drive.name)));
             }
         }
-        if !self.inputs.iter().chain(self.signals).any(|drive| matches!(drive.source, Source::Formula(_))) {
+        let mut drives = self.inputs.iter().chain(self.signals);
+        let adds = !self.watched.is_empty() || !self.parameters.is_empty();
+        if !adds && !drives.any(|drive| matches!(drive.source, Source::Formula(_))) {
             return Ok(sources);
         }
         // What is wrong with the declaration itself is said where it is derived.
@@ -95,9 +126,13 @@ impl Drives<'_> {
         let own = &declaration.statements[declaration.of_robots..];
         let mut insertions: Vec<(usize, String)> = Vec::new();
         let mut constants = format!("const {SECOND}: s = 1; ");
+        for (name, value) in self.parameters {
+            let (number, unit) = value.split_once(' ').unwrap_or((value, "1"));
+            constants += &format!("param {name}: {unit} = {number}; ");
+        }
         for drive in self.signals {
             let Source::Formula(formula) = &drive.source else { continue };
-            check_formula("--signal", &drive.name, formula)?;
+            check_formula(signal, &drive.name, formula)?;
             let place = declaration.statements.iter().find_map(|statement| match &statement.kind {
                 StatementKind::Prescribed(quantity) if quantity.name.text == drive.name => Some((statement, quantity)),
                 _ => None,
@@ -106,7 +141,7 @@ impl Drives<'_> {
                 Some((_, quantity)) if quantity.value.is_some() => {
                     let name = &drive.name;
                     return Err(Failure::new(format_args!(
-                        "--signal {name}: `{name}` is declared by a formula already"
+                        "{signal} {name}: `{name}` is declared by a formula already"
                     )));
                 }
                 Some((statement, quantity)) => {
@@ -116,7 +151,7 @@ impl Drives<'_> {
                 }
                 None => {
                     return Err(unknown(
-                        "--signal",
+                        signal,
                         "prescribed signal",
                         &drive.name,
                         &prescribed(&declaration.statements),
@@ -128,11 +163,15 @@ impl Drives<'_> {
         let mut added = String::new();
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
-            check_formula("--input", &drive.name, formula)?;
+            check_formula(input, &drive.name, formula)?;
             added += &outputs_in(formula, &text, own, &added);
             let unit = unit_of_input(&declaration.statements, &drive.name).unwrap_or("1".to_string());
             constants += &unit_constant(&drive.name, &unit);
             added += &format!(" output {} = {};", formula_name(&drive.name), in_si_units(formula, &drive.name));
+        }
+        for (number, formula) in self.watched.iter().enumerate() {
+            added += &outputs_in(formula, &text, own, &added);
+            added += &format!(" output {} = {formula};", formula_name(&number.to_string()));
         }
         insertions.push((end, added));
         insertions.push((own.first().map_or(end, |statement| statement.span.start), constants));
@@ -155,7 +194,7 @@ impl Drives<'_> {
         let inputs = component_names(&derivation.inputs);
         for drive in self.inputs {
             let known = inputs.iter().position(|name| *name == drive.name);
-            let index = known.ok_or_else(|| unknown("--input", "input", &drive.name, &inputs))?;
+            let index = known.ok_or_else(|| unknown(self.options[0], "input", &drive.name, &inputs))?;
             let given = match &drive.source {
                 Source::Table(path) => Given::Curve(table(
                     path,
@@ -163,7 +202,7 @@ impl Drives<'_> {
                     span,
                     Curve::broken_line,
                 )?),
-                Source::Formula(_) => Given::Function(formula(derivation, index, &drive.name)?),
+                Source::Formula(_) => Given::Function(formula(self.options[0], derivation, index, &drive.name)?),
             };
             driven.inputs.push((index, given));
         }
@@ -171,7 +210,7 @@ impl Drives<'_> {
         for drive in self.signals {
             let Source::Table(path) = &drive.source else { continue };
             let known = signals.iter().position(|name| *name == drive.name);
-            let index = known.ok_or_else(|| unknown("--signal", "prescribed signal", &drive.name, &signals))?;
+            let index = known.ok_or_else(|| unknown(self.options[1], "prescribed signal", &drive.name, &signals))?;
             let wanted = quantity(&derivation.prescribed, index, &drive.name);
             driven.signals.push((index, table(path, &wanted, span, Curve::spline)?));
         }
@@ -260,10 +299,10 @@ fn unit_of_input(statements: &[Statement], name: &str) -> Option<String> {
 }
 
 /// The function of an input's formula: a number of its unit, that no input enters.
-fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, Failure> {
+fn formula(option: &str, derivation: &Derivation, index: usize, name: &str) -> Result<usize, Failure> {
     let wanted = formula_name(name);
     let is_value = |f: &Function| matches!(f.kind, FunctionKind::Output(_)) && f.name == wanted;
-    let refused = |reason: String| Failure::new(format_args!("--input {name}: {reason}"));
+    let refused = |reason: String| Failure::new(format_args!("{option} {name}: {reason}"));
     let number =
         derivation.functions.iter().position(is_value).ok_or_else(|| refused("there is no value".to_string()))?;
     let function = &derivation.functions[number];
@@ -280,6 +319,27 @@ fn formula(derivation: &Derivation, index: usize, name: &str) -> Result<usize, F
         return Err(refused("a formula does not depend on inputs".to_string()));
     }
     Ok(number)
+}
+
+/// The number of the function of a watched formula, and the units of what it computes.
+pub(crate) fn watched(derivation: &Derivation, number: usize) -> Option<(usize, &[String])> {
+    let wanted = formula_name(&number.to_string());
+    let place = derivation.functions.iter().position(|f| f.name == wanted)?;
+    match derivation.functions[place].kind {
+        FunctionKind::Output(output) => Some((place, &derivation.output_units[output])),
+        _ => None,
+    }
+}
+
+/// Where watched formulas stand in the text of a mechanism that was declared with them.
+pub(crate) fn places_of_watched(text: &str) -> Vec<std::ops::Range<usize>> {
+    let mut places = Vec::new();
+    loop {
+        let head = format!(" output {} = ", formula_name(&places.len().to_string()));
+        let Some(at) = text.find(&head) else { return places };
+        let begin = at + head.len();
+        places.push(begin..begin + text[begin..].find(';').unwrap_or(0));
+    }
 }
 
 /// It is one expression, and nothing behind it.

@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use mbs_runtime::{
-    Dop853, Dopri5, GaussLegendre4, IntegrationError, Integrator, Rk4, SemiImplicitEuler, State, Step, StormerVerlet,
-    Summary,
+    Dop853, Dopri5, Event, GaussLegendre4, IntegrationError, Integrator, Rk4, SemiImplicitEuler, State, Step,
+    StormerVerlet, Summary,
 };
 
 /// How to integrate.
@@ -56,24 +56,24 @@ impl Method {
         accelerations: impl FnMut(f64, &Vec<f64>, &Vec<f64>, &mut Vec<f64>),
         (t, t_end): (f64, f64),
         state: &mut State<Vec<f64>>,
+        events: &mut [Event<'_, Vec<f64>>],
         observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
     ) -> Result<Summary, IntegrationError<String>> {
         let Accuracy { relative, absolute, step, most_steps } = accuracy;
+        let (f, y, e, o) = (accelerations, state, events, observer);
         match self {
             Method::Dop853 => {
                 let method = Dop853::new(relative, absolute).with_max_steps(most_steps);
-                method.integrate(accelerations, t, t_end, state, observer)
+                method.integrate_with_events(f, t, t_end, y, e, o)
             }
             Method::Dopri5 => {
                 let method = Dopri5::new(relative, absolute).with_max_steps(most_steps);
-                method.integrate(accelerations, t, t_end, state, observer)
+                method.integrate_with_events(f, t, t_end, y, e, o)
             }
-            Method::Rk4 => Rk4::new(step).integrate(accelerations, t, t_end, state, observer),
-            Method::GaussLegendre4 => GaussLegendre4::new(step).integrate(accelerations, t, t_end, state, observer),
-            Method::StormerVerlet => StormerVerlet::new(step).integrate(accelerations, t, t_end, state, observer),
-            Method::SemiImplicitEuler => {
-                SemiImplicitEuler::new(step).integrate(accelerations, t, t_end, state, observer)
-            }
+            Method::Rk4 => Rk4::new(step).integrate_with_events(f, t, t_end, y, e, o),
+            Method::GaussLegendre4 => GaussLegendre4::new(step).integrate_with_events(f, t, t_end, y, e, o),
+            Method::StormerVerlet => StormerVerlet::new(step).integrate_with_events(f, t, t_end, y, e, o),
+            Method::SemiImplicitEuler => SemiImplicitEuler::new(step).integrate_with_events(f, t, t_end, y, e, o),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
-use mbs_runtime::{Constraints, IntegrationError, RedundantRows, Step, Summary};
+use mbs_runtime::{Constraints, Event, IntegrationError, RedundantRows, Step, Summary};
 
 use super::column::{Column, of_variables};
 use super::drive::Driven;
@@ -87,9 +87,9 @@ impl Motion {
         if settings.method.is_for_separable() && equations.depends_on_velocities() {
             output::warn("accelerations depend on velocities: the method is of order 1 and not symplectic here");
         }
-        let (rows, _) = Run { equations: &equations, settings, recorder }.rows(times)?;
+        let rows = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder);
         let columns = [standard_columns(derivation), recorder.columns()].concat();
-        Ok(Motion { name: derivation.name.clone(), columns, rows })
+        Ok(Motion { name: derivation.name.clone(), columns, rows: rows.map_err(Failure::new)?.0 })
     }
 }
 
@@ -113,22 +113,49 @@ fn standard_columns(derivation: &Derivation) -> Vec<Column> {
     .concat()
 }
 
+/// What looks at a motion while it is integrated.
+pub(crate) trait Onlooker {
+    /// The motion starts.
+    fn begin(&mut self, t: f64, moving: &Moving) -> Result<(), String>;
+
+    /// It has come from one time to another; `inside` tells where it was at any time between them, both included.
+    fn step(&mut self, from: f64, to: f64, inside: &mut Inside<'_>) -> Result<(), String>;
+}
+
+/// The state at a time of a step, on the constraints if the motion is kept there.
+pub(crate) type Inside<'a> = dyn FnMut(f64, &mut Moving) -> Result<(), String> + 'a;
+
 /// One integration.
-struct Run<'a, 'd> {
-    equations: &'a Equations<'d>,
-    settings: &'a Settings,
-    recorder: &'a Recorder<'d>,
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'a, 'd> {
+    pub(crate) equations: &'a Equations<'d>,
+    pub(crate) settings: &'a Settings,
+    /// Whether somebody watches: a bar shows how far it has come, and warnings are written.
+    pub(crate) is_attended: bool,
 }
 
 impl<'a, 'd> Run<'a, 'd> {
-    /// The rows, and what it took.
-    fn rows(&self, times: &[f64]) -> Result<(Vec<Row>, Summary), Failure> {
+    /// The rows at these times, and what it took.
+    fn rows(self, times: &[f64], recorder: &'a Recorder<'d>) -> Result<(Vec<Row>, Summary), String> {
+        let end = times.last().copied().unwrap_or(self.equations.start_time());
+        let rows = Vec::with_capacity(times.len());
+        let mut recording = Recording { run: self, solver: self.solver(), recorder, remaining: times, rows };
+        let (summary, _) = self.follow(end, &mut [], &mut recording)?;
+        Ok((recording.rows, summary))
+    }
+
+    /// Integrates to this time, or to an event that ends it, before an onlooker; the state there.
+    pub(crate) fn follow(
+        self,
+        end: f64,
+        events: &mut [Event<'_, Vec<f64>>],
+        onlooker: &mut dyn Onlooker,
+    ) -> Result<(Summary, Moving), String> {
         let (equations, start) = (self.equations, self.equations.start_time());
-        let end = times.last().copied().unwrap_or(start);
         let mut motion = equations.start();
         self.begin(&mut motion)?;
 
-        let (mut solver, mut recorder) = (self.solver(), self.solver());
+        let mut solver = self.solver();
         let mut projector = equations.projector(self.settings.redundant_rows);
         let near = self.settings.near();
         let is_projected = equations.rows() > 0 && self.settings.drift == Drift::Projected;
@@ -143,13 +170,8 @@ impl<'a, 'd> Run<'a, 'd> {
                 .and_then(|()| assembly::stays_near(t, near, &free, moving))
         };
 
-        let mut rows = Vec::with_capacity(times.len());
-        let mut remaining = times.iter().copied().peekable();
-        let mut record = |t: f64, moving: &Moving| self.row(&mut recorder, t, moving).map(|row| rows.push(row));
-        while remaining.next_if(|&time| time <= start).is_some() {
-            record(start, &motion).map_err(Failure::new)?;
-        }
-        let mut progress = Progress::new(start, end);
+        onlooker.begin(start, &motion)?;
+        let mut progress = if self.is_attended { Progress::new(start, end) } else { Progress::unseen(start, end) };
         let accelerations = |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| {
             progress.at(t);
             match solver.accelerations(&equations.state(t, q, qd)) {
@@ -158,49 +180,50 @@ impl<'a, 'd> Run<'a, 'd> {
                 Err(_) => qdd.fill(f64::NAN),
             }
         };
-        let mut sampled = motion.clone();
         let observer = |step: &mut dyn Step<Vec<f64>>| {
-            let end = step.time();
-            while let Some(time) = remaining.next_if(|&time| time <= end) {
-                if step.interpolate(time, &mut sampled).is_err() {
-                    return Ok(ControlFlow::Break(end));
-                }
-                closed(time, &mut sampled).and_then(|()| record(time, &sampled))?;
-            }
+            let (from, to) = (step.previous_time(), step.time());
+            let mut inside = |t: f64, state: &mut Moving| {
+                // Whatever is returned then, the integration ends with the reason of the method.
+                step.interpolate(t, state).map_err(|error| error.to_string())?;
+                closed(t, state)
+            };
+            onlooker.step(from, to, &mut inside)?;
             if is_projected {
-                sampled.clone_from(step.state());
-                closed(end, &mut sampled)?;
-                step.replace(&sampled);
+                let mut end = step.state().clone();
+                closed(to, &mut end)?;
+                step.replace(&end);
             }
             Ok(ControlFlow::Continue(()))
         };
         let method = self.settings.method;
-        let outcome = method.integrate(self.settings.accuracy, accelerations, (start, end), &mut motion, observer);
+        let span = (start, end);
+        let outcome = method.integrate(self.settings.accuracy, accelerations, span, &mut motion, events, observer);
         progress.finish();
         match outcome {
-            Ok(summary) => Ok((rows, summary)),
-            Err(IntegrationError::Stopped { error, .. }) => {
-                Err(Failure::new(format_args!("the integration stopped: {error}")))
-            }
+            Ok(summary) => Ok((summary, motion)),
+            Err(IntegrationError::Stopped { error, .. }) => Err(format!("the integration stopped: {error}")),
             Err(error) => Err(self.stopped(error, &motion)),
         }
     }
 
     /// The first state, on the constraints unless they are left alone.
-    fn begin(&self, motion: &mut Moving) -> Result<(), Failure> {
+    fn begin(&self, motion: &mut Moving) -> Result<(), String> {
         let (equations, settings) = (self.equations, self.settings);
         if equations.rows() == 0 {
             return Ok(());
         }
-        match settings.drift {
+        let notice = match settings.drift {
             Drift::Left => assembly::leave_open(equations, motion, settings.redundant_rows),
             Drift::Projected | Drift::Baumgarte(_) => {
                 assembly::assemble(equations, motion, &settings.held, settings.redundant_rows)
             }
-        }
+        };
+        notice?.iter().filter(|_| self.is_attended).for_each(output::warn);
+        Ok(())
     }
 
-    fn solver(&self) -> Solver<'a, 'd> {
+    /// What solves for accelerations and multipliers.
+    pub(crate) fn solver(&self) -> Solver<'a, 'd> {
         let Settings { drift, redundant_rows, .. } = *self.settings;
         match (drift, redundant_rows) {
             _ if self.equations.rows() == 0 => Solver::closed(self.equations),
@@ -210,9 +233,62 @@ impl<'a, 'd> Run<'a, 'd> {
         }
     }
 
+    /// One line with the time and the state from which there was no way on.
+    fn stopped(&self, error: IntegrationError<String>, motion: &Moving) -> String {
+        let t = error.time().unwrap_or(self.equations.start_time());
+        let (q, qd) = (&motion.q, &motion.qd);
+        let state = self.equations.state(t, q, qd);
+        let mut solver = self.solver();
+        let hint = match solver.accelerations(&state) {
+            Ok(_) => collapse::hint(self.equations, &mut solver, t, motion),
+            Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
+            Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
+        };
+        format!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}{hint}")
+    }
+}
+
+/// What keeps rows.
+struct Recording<'a, 'd> {
+    run: Run<'a, 'd>,
+    solver: Solver<'a, 'd>,
+    recorder: &'a Recorder<'d>,
+    /// The times that have not come yet.
+    remaining: &'a [f64],
+    rows: Vec<Row>,
+}
+
+impl Onlooker for Recording<'_, '_> {
+    fn begin(&mut self, t: f64, moving: &Moving) -> Result<(), String> {
+        while self.next_until(t).is_some() {
+            self.record(t, moving)?;
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, _: f64, to: f64, inside: &mut Inside<'_>) -> Result<(), String> {
+        let mut sampled = self.run.equations.start();
+        while let Some(time) = self.next_until(to) {
+            inside(time, &mut sampled)?;
+            self.record(time, &sampled)?;
+        }
+        Ok(())
+    }
+}
+
+impl Recording<'_, '_> {
+    /// The next time, if it is not after `end`.
+    fn next_until(&mut self, end: f64) -> Option<f64> {
+        let (&next, rest) = self.remaining.split_first()?;
+        (next <= end).then(|| {
+            self.remaining = rest;
+            next
+        })
+    }
+
     /// What is recorded of a state, all of it numbers.
-    fn row(&self, solver: &mut Solver<'_, '_>, t: f64, moving: &Moving) -> Result<Row, String> {
-        let equations = self.equations;
+    fn record(&mut self, t: f64, moving: &Moving) -> Result<(), String> {
+        let (equations, solver) = (self.run.equations, &mut self.solver);
         let state = equations.state(t, &moving.q, &moving.qd);
         let [kinetic, potential] =
             [FunctionKind::KineticEnergy, FunctionKind::PotentialEnergy].map(|kind| equations.call(kind, &state)[0]);
@@ -234,21 +310,8 @@ impl<'a, 'd> Run<'a, 'd> {
             return Err(format!("`{}` is {:?}, {at}", self.recorder.columns()[i].name, recorded[i]));
         }
         let values = [state.q, state.qd, vec![kinetic + potential], constraints, recorded].concat();
-        Ok(Row { t, kinetic, potential, values })
-    }
-
-    /// One line with the time and the state from which there was no way on.
-    fn stopped(&self, error: IntegrationError<String>, motion: &Moving) -> Failure {
-        let t = error.time().unwrap_or(self.equations.start_time());
-        let (q, qd) = (&motion.q, &motion.qd);
-        let state = self.equations.state(t, q, qd);
-        let mut solver = self.solver();
-        let hint = match solver.accelerations(&state) {
-            Ok(_) => collapse::hint(self.equations, &mut solver, t, motion),
-            Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
-            Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
-        };
-        Failure::new(format_args!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}{hint}"))
+        self.rows.push(Row { t, kinetic, potential, values });
+        Ok(())
     }
 }
 
@@ -294,8 +357,8 @@ mod tests {
             held: vec![false; 7],
         };
         let (equations, recorder) = (Equations::new(&derivation, &start).unwrap(), Recorder::new(&derivation, &[]));
-        let run = Run { equations: &equations, settings: &settings, recorder: &recorder };
-        let (rows, summary) = run.rows(&[0.0, 0.05]).unwrap();
+        let run = Run { equations: &equations, settings: &settings, is_attended: true };
+        let (rows, summary) = run.rows(&[0.0, 0.05], &recorder).unwrap();
         assert!(summary.evaluations < 10_000, "{summary:?}");
         let energy = |row: &Row| row.kinetic + row.potential;
         assert!((energy(&rows[1]) - energy(&rows[0])).abs() < 1e-9 * rows[0].kinetic, "{rows:?}");

@@ -35,6 +35,11 @@ impl Progress {
         Progress { start, end, began: Instant::now(), calls: 0, stage }
     }
 
+    /// With nobody to see it.
+    pub(crate) fn unseen(start: f64, end: f64) -> Self {
+        Progress { stage: Stage::Unseen, ..Self::new(start, end) }
+    }
+
     /// The integration is at the time `t`, or tries it.
     pub(crate) fn at(&mut self, t: f64) {
         self.calls = self.calls.wrapping_add(1);

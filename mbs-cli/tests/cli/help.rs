@@ -37,7 +37,7 @@ fn help_fits_on_a_screen() {
     assert!(help.contains("Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage"), "{help}");
     assert!(workshop.good(&["-h"]).lines().count() <= 40);
     let all = commands(&workshop);
-    for name in ["check", "simulate", "new", "explain", "watch", "completions", "man"] {
+    for name in ["check", "simulate", "sweep", "new", "explain", "watch", "completions", "man"] {
         assert!(all.iter().any(|command| command == name), "{name} is not among {all:?}");
     }
 }
@@ -60,11 +60,23 @@ const ARM: &str = r#"<robot name="arm">
 </robot>
 "#;
 
+/// The pendulum from three angles.
+pub(crate) const SWINGS: &str = "\
+mechanism = \"pendulum.mbs\"
+[vary]
+theta = { values = [\"10 deg\", \"20 deg\", \"30 deg\"] }
+[motion]
+duration = \"3 s\"
+[quantities]
+highest = { max = \"height\" }
+";
+
 /// Each example of each command runs as it stands there; what goes on until it is interrupted, until it has answered.
 #[test]
 fn examples_of_the_help_run() {
     let workshop = Workshop::new();
     workshop.write("arm.urdf", ARM);
+    workshop.write("swings.toml", SWINGS);
     // The language server speaks until it is told to end: `lsp.rs` talks with it.
     for name in commands(&workshop).into_iter().filter(|name| name != "lsp") {
         let help = workshop.good(&[&name, "--help"]);
@@ -90,6 +102,8 @@ fn examples_of_the_help_run() {
         "pendulum.h",
         "motion.csv",
         "motion.svg",
+        "swings.csv",
+        "swings.svg",
         "pendulum.fmu",
         "report.html",
         "arm.mbs",
@@ -182,6 +196,10 @@ fn every_command_speaks_json() {
         json(&["simulate", "pendulum.mbs", state[0], state[1], "--t-end", "1", "--csv", "a.csv", "--plot", "a.svg"]);
     assert_eq!(csv["written"], serde_json::json!(["a.csv", "a.svg"]));
     assert_eq!(json(&["fmu", "pendulum.mbs", "--out", "p.fmu", "--sources-only"])["written"][0], "p.fmu");
+    workshop.write("swings.toml", SWINGS);
+    let swept = json(&["sweep", "swings.toml"]);
+    assert_eq!((&swept["members"], &swept["written"]), (&3.into(), &serde_json::json!(["swings.csv"])));
+    assert_eq!(json(&["plot", "swings.csv", "--out", "a.png"])["written"], serde_json::json!(["a.png"]));
     assert_eq!(json(&["new", "swing"])["template"], "pendulum");
     assert!(json(&["explain"]).as_array().unwrap().len() > 100);
     assert_eq!(json(&["completions", "fish"])["shell"], "fish");

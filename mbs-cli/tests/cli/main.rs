@@ -23,6 +23,7 @@ mod parameters;
 mod report;
 mod robot;
 mod simulate;
+mod sweep;
 mod watch;
 
 use std::path::{Path, PathBuf};

@@ -1,0 +1,238 @@
+//! `mbs plot`: tables of `mbs sweep` as figures.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use mbs_chart::{Figure, Format, Line, Panel};
+use mbs_ensemble::statistics::quantile;
+
+use crate::failure::Failure;
+use crate::files::Files;
+use crate::output;
+use crate::state::hint;
+use crate::words::plural;
+
+/// Draw a table of `mbs sweep`: histograms of its columns, quantiles over one of them, or parallel coordinates.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs plot swings.csv --out swings.svg")]
+pub(crate) struct Arguments {
+    /// The table, CSV.
+    #[arg(value_name = "TABLE.csv")]
+    table: PathBuf,
+    /// Where the figure goes.
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = output::figure_path)]
+    out: (PathBuf, Format),
+    /// Draw these columns; all that differ from row to row if not given.
+    #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
+    columns: Vec<String>,
+    /// Draw a fan of each column over this one: median, quartiles, 5 % and 95 % of the members at each of its values,
+    /// or, where it has many, in each of twenty parts with equally many members.
+    #[arg(long, value_name = "COLUMN")]
+    over: Option<String>,
+    /// Draw each member as a line through all columns, each from its least to its greatest value; of many members five
+    /// hundred.
+    #[arg(long, conflicts_with = "over")]
+    parallel: bool,
+}
+
+/// Reads, draws, writes.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let mut files = Files::default();
+    files.reads("the table", &arguments.table);
+    let (out, format) = &arguments.out;
+    files.writes("--out", out)?;
+    let table = Table::read(&arguments.table)?;
+    let over = arguments.over.as_deref().map(|name| table.column(name)).transpose()?;
+    let chosen: Vec<&Column> = if arguments.columns.is_empty() {
+        let is_over = |column: &Column| over.is_some_and(|over| over.name == column.name);
+        table.columns.iter().filter(|column| column.differs() && !is_over(column)).collect()
+    } else {
+        arguments.columns.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?
+    };
+    if chosen.is_empty() {
+        return Err(Failure::new(format_args!("{}: no column differs from row to row", arguments.table.display())));
+    }
+    let panels: Vec<Panel> = match over {
+        Some(over) => chosen.iter().map(|column| fan(over, column)).collect(),
+        None if arguments.parallel => vec![parallel(&chosen, table.rows)],
+        None => chosen.iter().map(|column| histogram(column)).collect(),
+    };
+    let height = HEIGHT.saturating_mul(u32::try_from(panels.len()).unwrap_or(u32::MAX)).max(LEAST_HEIGHT);
+    let figure = Figure { title: plural(table.rows, "member", "members"), size: (WIDTH, height), panels };
+    output::write(out, &mbs_chart::draw(&figure, *format).map_err(Failure::new)?)?;
+    output::wrote(&[out])
+}
+
+/// Width in pixels, the height of a panel, and that of a figure at least.
+const WIDTH: u32 = 1100;
+const HEIGHT: u32 = 260;
+const LEAST_HEIGHT: u32 = 600;
+
+/// A table, column by column.
+struct Table {
+    rows: usize,
+    columns: Vec<Column>,
+}
+
+struct Column {
+    name: String,
+    unit: String,
+    /// NaN where there is none.
+    values: Vec<f64>,
+}
+
+impl Table {
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let name = path.display();
+        let refused = |reason: String| Failure::new(format_args!("{name}: {reason}"));
+        let text =
+            fs::read_to_string(path).map_err(|error| Failure::new(format_args!("cannot read {name}: {error}")))?;
+        let units: BTreeMap<&str, &str> = text
+            .lines()
+            .take_while(|line| line.starts_with('#'))
+            .filter_map(|line| line.strip_prefix("# unit of ")?.split_once(": "))
+            .collect();
+        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
+        let header = reader.headers().map_err(|error| refused(error.to_string()))?.clone();
+        let column = |name: &str| Column {
+            name: name.to_string(),
+            unit: units.get(name).unwrap_or(&"1").to_string(),
+            values: Vec::new(),
+        };
+        let mut columns: Vec<Column> = header.iter().map(column).collect();
+        for record in reader.records() {
+            let record = record.map_err(|error| refused(error.to_string()))?;
+            for (column, cell) in columns.iter_mut().zip(&record) {
+                column.values.push(cell.parse().unwrap_or(f64::NAN));
+            }
+        }
+        let rows = columns.first().map_or(0, |column| column.values.len());
+        // The index says nothing of a member, and why it stopped is no number.
+        columns.retain(|column| column.name != "member" && column.finite().next().is_some());
+        if columns.is_empty() { Err(refused("there are no numbers".to_string())) } else { Ok(Table { rows, columns }) }
+    }
+
+    fn column(&self, name: &str) -> Result<&Column, Failure> {
+        self.columns.iter().find(|column| column.name == name).ok_or_else(|| {
+            let known: Vec<String> = self.columns.iter().map(|column| column.name.clone()).collect();
+            Failure::new(format_args!("there is no column `{name}`{}", hint(name, &known, "columns")))
+        })
+    }
+}
+
+impl Column {
+    fn finite(&self) -> impl Iterator<Item = f64> {
+        self.values.iter().copied().filter(|value| value.is_finite())
+    }
+
+    /// The least and the greatest value.
+    fn range(&self) -> (f64, f64) {
+        self.finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+    }
+
+    fn differs(&self) -> bool {
+        let (low, high) = self.range();
+        low < high
+    }
+
+    /// `height [m]`
+    fn label(&self) -> String {
+        if self.unit == "1" { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
+    }
+}
+
+/// A range of more than one number.
+fn widened((low, high): (f64, f64)) -> std::ops::Range<f64> {
+    if low < high { low..high } else { low - 0.5..high + 0.5 }
+}
+
+/// How many members are in each of some bins.
+fn histogram(column: &Column) -> Panel {
+    let range = widened(column.range());
+    Panel::curves([&column.label(), "members"], range, vec![Line::new("", outline(column))])
+}
+
+/// The outline of bins of equal width: as many bins as the root of the members, but 60 at most.
+fn outline(column: &Column) -> Vec<(f64, f64)> {
+    let range = widened(column.range());
+    let bins = ((column.finite().count() as f64).sqrt() as usize).clamp(1, 60);
+    let width = (range.end - range.start) / bins as f64;
+    let mut counts = vec![0_usize; bins];
+    column.finite().for_each(|x| counts[(((x - range.start) / width) as usize).min(bins - 1)] += 1);
+    let edge = |k: usize| range.start + width * k as f64;
+    let tops = counts.iter().enumerate().flat_map(|(k, &n)| [(edge(k), n as f64), (edge(k + 1), n as f64)]);
+    [(range.start, 0.0)].into_iter().chain(tops).chain([(range.end, 0.0)]).collect()
+}
+
+/// The quantiles that a fan shows, with their names.
+const FAN: [(f64, &str); 5] = [(0.05, "5 %"), (0.25, "25 %"), (0.5, "median"), (0.75, "75 %"), (0.95, "95 %")];
+
+/// Quantiles of a column over another.
+fn fan(over: &Column, column: &Column) -> Panel {
+    let groups = groups(over, column);
+    let line = |(probability, name): (f64, &str)| {
+        Line::new(name, groups.iter().map(|(x, sorted)| (*x, quantile(sorted, probability))).collect())
+    };
+    let lines = FAN.map(line).into();
+    Panel::curves([&over.label(), &column.label()], widened(over.range()), lines)
+}
+
+/// The values of a column in ascending order at each value of another, or in each of twenty parts of it.
+fn groups(over: &Column, column: &Column) -> Vec<(f64, Vec<f64>)> {
+    const MOST_VALUES: usize = 200;
+    const PARTS: usize = 20;
+    let pairs = over.values.iter().copied().zip(column.values.iter().copied());
+    let mut pairs: Vec<(f64, f64)> = pairs.filter(|(x, y)| x.is_finite() && y.is_finite()).collect();
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut groups: Vec<&[(f64, f64)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
+    if groups.len() > MOST_VALUES {
+        groups = pairs.chunks(pairs.len().div_ceil(PARTS)).collect();
+    }
+    let sorted = |group: &&[(f64, f64)]| {
+        let mut values: Vec<f64> = group.iter().map(|(_, y)| *y).collect();
+        values.sort_by(f64::total_cmp);
+        (group.iter().map(|(x, _)| x).sum::<f64>() / group.len() as f64, values)
+    };
+    groups.iter().map(sorted).collect()
+}
+
+/// Members as lines through columns, one beside the other.
+fn parallel(columns: &[&Column], rows: usize) -> Panel {
+    const MOST_LINES: usize = 500;
+    let ranges: Vec<_> = columns.iter().map(|column| widened(column.range())).collect();
+    let place = |row: usize, k: usize| {
+        (k as f64 + 1.0, (columns[k].values[row] - ranges[k].start) / (ranges[k].end - ranges[k].start))
+    };
+    let line = |row: usize| Line::new("", (0..columns.len()).map(|k| place(row, k)).collect());
+    let is_whole = |row: &usize| columns.iter().all(|column| column.values[*row].is_finite());
+    let lines = (0..rows).step_by(rows.div_ceil(MOST_LINES).max(1)).filter(is_whole).map(line).collect();
+    let names: Vec<String> =
+        columns.iter().enumerate().map(|(k, column)| format!("{}: {}", k + 1, column.name)).collect();
+    Panel::curves([&names.join(", "), "least to greatest"], 1.0..(columns.len() as f64).max(1.5), lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, values: &[f64]) -> Column {
+        Column { name: name.to_string(), unit: "m".to_string(), values: values.to_vec() }
+    }
+
+    #[test]
+    fn groups_are_values_or_parts() {
+        let few = groups(&column("x", &[2.0, 1.0, 2.0, f64::NAN]), &column("y", &[5.0, 7.0, 3.0, 1.0]));
+        assert_eq!(few, [(1.0, vec![7.0]), (2.0, vec![3.0, 5.0])]);
+        let numbers: Vec<f64> = (0..1000).map(f64::from).collect();
+        let many = groups(&column("x", &numbers), &column("y", &numbers));
+        assert_eq!((many.len(), many[0].0, many[19].1.len()), (20, 24.5, 50));
+    }
+
+    #[test]
+    fn histograms_count_all_members() {
+        let points = outline(&column("x", &[0.0, 0.1, 0.9, 1.0]));
+        assert_eq!(points, [(0.0, 0.0), (0.0, 2.0), (0.5, 2.0), (0.5, 2.0), (1.0, 2.0), (1.0, 0.0)]);
+        assert_eq!(outline(&column("x", &[3.0])), [(2.5, 0.0), (2.5, 1.0), (3.5, 1.0), (3.5, 0.0)]);
+    }
+}

@@ -1,0 +1,232 @@
+//! `mbs sweep`: many motions as one table.
+//!
+//! - [`study`]: a plan and its mechanism, and what is wrong with either;
+//! - [`names`]: the variables that a plan may fix or vary;
+//! - [`gathering`]: what is taken of each motion;
+//! - [`summary`]: what all of them say together.
+
+mod gathering;
+mod names;
+mod study;
+mod summary;
+
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use mbs_ensemble::SweepError;
+use mbs_ensemble::design::Values;
+use mbs_ensemble::sweep::{Outcome, Share, Sweep};
+use mbs_ensemble::table::Format;
+use serde_json::{Value, json};
+
+use crate::cache::Cache;
+use crate::failure::Failure;
+use crate::files::Files;
+use crate::output;
+use crate::words::plural;
+use study::Study;
+use summary::Summary;
+
+/// Integrate many motions of a mechanism, on all cores, and write what is wanted of each as a row of a table.
+///
+/// The plan says which parameters, first states and inputs vary, and how: grids, random numbers, Latin hypercubes,
+/// Sobol's sequence; and which quantities are wanted. Members are functions of the plan and their index alone. A run
+/// that is killed goes on when the same command is given again: what is done stands in FILE.parts until all is.
+#[derive(clap::Args)]
+#[command(after_help = "Example:\n  mbs sweep swings.toml --out swings.csv")]
+pub(crate) struct Arguments {
+    /// The plan.
+    #[arg(value_name = "PLAN.toml")]
+    plan: PathBuf,
+    /// Where the table goes, as CSV or, with the feature `parquet`, as Apache Parquet; beside the plan if not given.
+    #[arg(long, value_name = "FILE.csv|FILE.parquet", value_parser = table_path)]
+    out: Option<(PathBuf, Format)>,
+    /// On how many threads; as many as there are cores if not given.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// Find what is wrong with the plan, say what it amounts to, and run nothing.
+    #[arg(long)]
+    dry_run: bool,
+    /// Do one share of the members, that of the rank K of N, from 0; all ranks may run at once, on machines that share
+    /// the folder.
+    #[arg(long, value_name = "K", requires = "ranks")]
+    rank: Option<u64>,
+    /// How many ranks there are.
+    #[arg(long, value_name = "N", requires = "rank", value_parser = clap::value_parser!(u64).range(1..))]
+    ranks: Option<u64>,
+    /// Do the share that `mpirun`, `srun` or another launcher gives this process, by its rank in the environment; the
+    /// last that is done makes the table.
+    #[arg(long, conflicts_with_all = ["rank", "dry_run", "merge", "summary"])]
+    launched: bool,
+    /// Make the table of what all ranks have done, and run nothing.
+    #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
+    merge: bool,
+    /// Print means and quantiles of the quantities, with bounds at a confidence of 95 %, and with the design `saltelli`
+    /// the Sobol' indices of what varies. It keeps all numbers in memory.
+    #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
+    summary: bool,
+}
+
+/// Reads, checks, integrates, writes.
+pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
+    let mut files = Files::default();
+    let study = Study::read(&arguments.plan, cache, &mut files)?;
+    let (table, format) = arguments.out.clone().unwrap_or_else(|| (study::table_of(&arguments.plan), Format::Csv));
+    files.writes("--out", &table)?;
+    if arguments.dry_run {
+        return output::answer(|| preview_object(&study), || preview(&study));
+    }
+    let share = share(arguments)?;
+    let sweep = Sweep {
+        design: &study.design,
+        quantities: study.columns.clone(),
+        table: table.clone(),
+        format,
+        identity: study.identity.clone(),
+    };
+    if sweep.is_finished().map_err(Failure::new)? {
+        return output::wrote(&[&table]);
+    }
+    let began = Instant::now();
+    let threads = arguments.threads.map_or_else(cores, usize::from);
+    let mut done = 0;
+    if !arguments.merge {
+        done = integrate(&sweep, &study, share, threads)?;
+    }
+    let is_part = arguments.rank.is_some() || arguments.launched;
+    let is_last = arguments.launched && sweep.missing(Share::WHOLE).map_err(Failure::new)?.is_empty();
+    if is_part && !is_last {
+        return answer_share(share, &study, done);
+    }
+    let mut summary = arguments.summary.then(|| Summary::of(&study.design, &study.columns));
+    let outcome = sweep.merge(|quantities| summary.iter_mut().for_each(|summary| summary.push(quantities)));
+    let outcome = match outcome {
+        // Two that were last make one table.
+        Err(SweepError::Busy { .. }) if arguments.launched => return answer_share(share, &study, done),
+        outcome => outcome.map_err(Failure::new)?,
+    };
+    if let Some((first, reason)) = &outcome.first_stopped {
+        let stopped = plural(outcome.stopped as usize, "member", "members");
+        output::warn(format_args!("{stopped} of {} stopped; the first is {first}: {reason}", outcome.members));
+    }
+    let seconds = began.elapsed().as_secs_f64();
+    let text = || {
+        let table = table.display();
+        let shown = summary.as_ref().map_or(String::new(), Summary::text);
+        let members = plural(outcome.members as usize, "member", "members");
+        format!("{table}: {members}, {done} by the {ENGINE} on {threads} threads in {seconds:.1} s\n{shown}")
+    };
+    output::answer(|| object(&table, &outcome, summary.as_ref()), text)
+}
+
+/// Which members this process does.
+fn share(arguments: &Arguments) -> Result<Share, Failure> {
+    match (arguments.rank, arguments.ranks) {
+        (Some(rank), Some(ranks)) if rank >= ranks => {
+            Err(Failure::new(format_args!("--rank {rank} is none of {ranks}: the first is 0")))
+        }
+        (Some(rank), Some(ranks)) => Ok(Share { rank, ranks }),
+        _ if arguments.launched => Share::launched(|name| std::env::var(name).ok()).ok_or_else(|| {
+            Failure::new(
+                "--launched: no launcher has set a rank; OpenMPI, MPICH and Slurm do, others take --rank and --ranks",
+            )
+        }),
+        _ => Ok(Share::WHOLE),
+    }
+}
+
+/// What is said of a share.
+fn answer_share(share: Share, study: &Study, done: u64) -> Result<(), Failure> {
+    let members = share.members(study.design.members());
+    let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": ENGINE });
+    let text = || {
+        let (done, Share { rank, ranks }) = (plural(done as usize, "member", "members"), share);
+        format!("{done} done by rank {rank} of {ranks}; `--merge` makes the table of all\n")
+    };
+    output::answer(object, text)
+}
+
+/// What runs the equations; there is no other yet.
+const ENGINE: &str = "interpreter";
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+}
+
+/// Does what is missing of a share, and says how much that was.
+fn integrate(sweep: &Sweep<'_>, study: &Study, share: Share, threads: usize) -> Result<u64, Failure> {
+    let missing: u64 = sweep.missing(share).map_err(Failure::new)?.iter().map(|range| range.end - range.start).sum();
+    let bar = if io::stderr().is_terminal() { ProgressBar::new(missing) } else { ProgressBar::hidden() };
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} members  {elapsed} elapsed, {eta} left");
+    let bar = style.map_or(bar.clone(), |style| bar.with_style(style));
+    let outcome = sweep.run(study, share, threads, &|count| bar.inc(count));
+    bar.finish_and_clear();
+    outcome.map(|()| missing).map_err(|error| match error {
+        SweepError::Io { .. } => {
+            let parts = sweep.parts();
+            Failure::new(format_args!("{error}; what is done stays in {}, the same command goes on", parts.display()))
+        }
+        other => Failure::new(other),
+    })
+}
+
+fn object(table: &Path, outcome: &Outcome, summary: Option<&Summary>) -> Value {
+    let mut object = json!({
+        "written": [table.display().to_string()],
+        "members": outcome.members,
+        "stopped": outcome.stopped,
+        "engine": ENGINE,
+    });
+    if let Some(summary) = summary {
+        object["summary"] = summary.object();
+    }
+    object
+}
+
+/// How many members a preview shows.
+const SHOWN: u64 = 3;
+
+fn preview(study: &Study) -> String {
+    let design = &study.design;
+    let mut text = format!("{}\nvaries:\n", plural(design.members() as usize, "member", "members"));
+    for variable in design.variables() {
+        let how = match &variable.spread {
+            Values::Listed(values) => plural(values.len(), "value", "values"),
+            Values::Range { from, to, count } => format!("{count} values from {from:?} to {to:?}"),
+            Values::Drawn(distribution) => format!("{distribution:?}"),
+        };
+        text += &format!("  {} [{}]: {how}\n", variable.name, variable.unit);
+    }
+    text += "quantities:\n";
+    for column in &study.columns {
+        text += &format!("  {} [{}]\n", column.name, column.unit);
+    }
+    for index in 0..design.members().min(SHOWN) {
+        text += &format!("member {index}: {:?}\n", design.values(index));
+    }
+    text
+}
+
+fn preview_object(study: &Study) -> Value {
+    let design = &study.design;
+    let column = |name: &str, unit: &str| json!({ "name": name, "unit": unit });
+    let varies: Vec<Value> = design.variables().iter().map(|v| column(&v.name, &v.unit)).collect();
+    let quantities: Vec<Value> = study.columns.iter().map(|c| column(&c.name, &c.unit)).collect();
+    let first: Vec<Vec<f64>> = (0..design.members().min(SHOWN)).map(|index| design.values(index)).collect();
+    json!({ "members": design.members(), "varies": varies, "quantities": quantities, "first": first })
+}
+
+fn table_path(text: &str) -> Result<(PathBuf, Format), String> {
+    let path = PathBuf::from(text);
+    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("csv") => Ok((path, Format::Csv)),
+        #[cfg(feature = "parquet")]
+        Some("parquet") => Ok((path, Format::Parquet)),
+        #[cfg(not(feature = "parquet"))]
+        Some("parquet") => Err("this mbs is built without its feature `parquet`".to_string()),
+        _ => Err("a table ends in .csv or .parquet".to_string()),
+    }
+}

@@ -1,0 +1,246 @@
+//! What is taken of one motion: values at its end, extrema, means, and when a formula passes zero.
+//!
+//! Extrema are looked for at nine places of each step of the integrator, on its dense output, and then bracketed; means
+//! are Simpson's rule over these places. So both are as good as the motion itself, without an interval to choose.
+
+use mbs_derive::optimise::FunctionKind;
+use mbs_ensemble::plan::{Direction, Reduction};
+use mbs_runtime::{Event, Response};
+
+use crate::equations::{Equations, Motion as Moving};
+use crate::simulate::motion::{Inside, Onlooker, Run};
+
+/// What is evaluated along a motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Formula {
+    /// The number of the function that computes it.
+    Function(usize),
+    /// T
+    KineticEnergy,
+    /// V
+    PotentialEnergy,
+    /// T + V
+    Energy,
+}
+
+impl Formula {
+    /// The formula that a word stands for.
+    pub(super) fn of_word(word: &str) -> Option<Self> {
+        match word {
+            "kinetic_energy" => Some(Formula::KineticEnergy),
+            "potential_energy" => Some(Formula::PotentialEnergy),
+            "energy" => Some(Formula::Energy),
+            _ => None,
+        }
+    }
+
+    fn value(self, equations: &Equations<'_>, t: f64, moving: &Moving) -> f64 {
+        let state = equations.state(t, &moving.q, &moving.qd);
+        let energy = |kind| equations.call(kind, &state)[0];
+        match self {
+            Formula::Function(number) => equations.evaluate_number(number, &state),
+            Formula::KineticEnergy => energy(FunctionKind::KineticEnergy),
+            Formula::PotentialEnergy => energy(FunctionKind::PotentialEnergy),
+            Formula::Energy => energy(FunctionKind::KineticEnergy) + energy(FunctionKind::PotentialEnergy),
+        }
+    }
+}
+
+/// A quantity that is wanted.
+#[derive(Clone, Debug)]
+pub(super) struct Wanted {
+    pub(super) name: String,
+    pub(super) formula: Formula,
+    pub(super) reduction: Reduction,
+}
+
+impl Wanted {
+    /// The passages of zero that it is about.
+    fn direction(&self) -> Option<Direction> {
+        match self.reduction {
+            Reduction::TimeOf(direction) | Reduction::Count(direction) | Reduction::Happened(direction) => {
+                Some(direction)
+            }
+            Reduction::Final | Reduction::Min | Reduction::Max | Reduction::Mean => None,
+        }
+    }
+
+    /// Its value at a time, which must be a number.
+    fn at(&self, equations: &Equations<'_>, t: f64, moving: &Moving) -> Result<f64, String> {
+        let value = self.formula.value(equations, t, moving);
+        if value.is_finite() { Ok(value) } else { Err(format!("`{}` is {value:?} at t = {t:?}", self.name)) }
+    }
+}
+
+/// The quantities of a motion to this time, or until a formula passes zero.
+pub(super) fn quantities(
+    run: Run<'_, '_>,
+    end: f64,
+    wanted: &[Wanted],
+    until: Option<(Formula, Direction)>,
+) -> Result<Vec<f64>, String> {
+    let (equations, start) = (run.equations, run.equations.start_time());
+    let passages = || wanted.iter().filter_map(|wanted| Some((wanted.formula, wanted.direction()?)));
+    let functions: Vec<_> = passages()
+        .chain(until)
+        .map(|(formula, _)| move |t: f64, moving: &Moving| formula.value(equations, t, moving))
+        .collect();
+    let mut first = vec![f64::NAN; passages().count()];
+    let mut notes: Vec<_> = first
+        .iter_mut()
+        .map(|first| {
+            move |t: f64, _: &mut Moving| {
+                if first.is_nan() {
+                    *first = t;
+                }
+                Response::Continue
+            }
+        })
+        .collect();
+    let mut events: Vec<Event<'_, Vec<f64>>> = Vec::new();
+    for (((_, direction), function), note) in passages().zip(&functions).zip(&mut notes) {
+        events.push(Event::new(function).direction(runtime(direction)).with_action(note));
+    }
+    if let (Some((_, direction)), Some(function)) = (until, functions.last()) {
+        events.push(Event::new(function).direction(runtime(direction)).terminal());
+    }
+    let tracks = vec![Track::default(); wanted.len()];
+    let mut gathering = Gathering { equations, wanted, tracks, moving: equations.start() };
+    let (summary, last) = run.follow(end, &mut events, &mut gathering)?;
+    let counts: Vec<usize> = events.iter().map(Event::count).collect();
+    drop(events);
+    drop(notes);
+    let mut passed = first.into_iter().zip(counts);
+    let values = wanted.iter().zip(gathering.tracks).map(|(wanted, track)| match wanted.reduction {
+        Reduction::Final => wanted.at(equations, summary.time, &last),
+        Reduction::Min => Ok(track.least),
+        Reduction::Max => Ok(track.greatest),
+        Reduction::Mean => Ok(track.integral / (summary.time - start)),
+        Reduction::TimeOf(_) => Ok(passed.next().map_or(f64::NAN, |(first, _)| first)),
+        Reduction::Count(_) => Ok(passed.next().map_or(f64::NAN, |(_, count)| count as f64)),
+        Reduction::Happened(_) => Ok(passed.next().map_or(f64::NAN, |(_, count)| f64::from(u8::from(count > 0)))),
+    });
+    values.collect()
+}
+
+fn runtime(direction: Direction) -> mbs_runtime::Direction {
+    match direction {
+        Direction::Any => mbs_runtime::Direction::Any,
+        Direction::Rising => mbs_runtime::Direction::Rising,
+        Direction::Falling => mbs_runtime::Direction::Falling,
+    }
+}
+
+/// What is known of a quantity so far.
+#[derive(Clone, Copy)]
+struct Track {
+    least: f64,
+    greatest: f64,
+    /// Over time.
+    integral: f64,
+}
+
+impl Default for Track {
+    fn default() -> Self {
+        Track { least: f64::INFINITY, greatest: f64::NEG_INFINITY, integral: 0.0 }
+    }
+}
+
+struct Gathering<'a, 'd> {
+    equations: &'a Equations<'d>,
+    wanted: &'a [Wanted],
+    tracks: Vec<Track>,
+    moving: Moving,
+}
+
+/// Into how many parts a step is divided.
+const PARTS: usize = 8;
+
+impl Onlooker for Gathering<'_, '_> {
+    fn begin(&mut self, _: f64, _: &Moving) -> Result<(), String> {
+        Ok(())
+    }
+
+    fn step(&mut self, from: f64, to: f64, inside: &mut Inside<'_>) -> Result<(), String> {
+        use Reduction::{Max, Mean, Min};
+        let looks = |wanted: &Wanted| matches!(wanted.reduction, Min | Max | Mean);
+        if !self.wanted.iter().any(looks) || from == to {
+            return Ok(());
+        }
+        let time = |k: usize| if k == PARTS { to } else { from + (to - from) * k as f64 / PARTS as f64 };
+        let mut values = vec![[0.0; PARTS + 1]; self.wanted.len()];
+        for k in 0..=PARTS {
+            inside(time(k), &mut self.moving)?;
+            for (wanted, values) in self.wanted.iter().zip(&mut values).filter(|(wanted, _)| looks(wanted)) {
+                values[k] = wanted.at(self.equations, time(k), &self.moving)?;
+            }
+        }
+        for (number, values) in values.iter().enumerate() {
+            match self.wanted[number].reduction {
+                Max => self.tracks[number].greatest = self.peak(number, 1.0, values, &time, inside)?,
+                Min => self.tracks[number].least = 0.0 - self.peak(number, -1.0, values, &time, inside)?,
+                Mean => self.tracks[number].integral += simpson(values, to - from),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Gathering<'_, '_> {
+    /// The greatest value of a quantity, or of its negative, so far and in this step.
+    fn peak(
+        &mut self,
+        number: usize,
+        sign: f64,
+        values: &[f64; PARTS + 1],
+        time: &dyn Fn(usize) -> f64,
+        inside: &mut Inside<'_>,
+    ) -> Result<f64, String> {
+        /// 1/φ
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let so_far = if sign > 0.0 { self.tracks[number].greatest } else { -self.tracks[number].least };
+        let values = values.map(|value| sign * value);
+        let best = (0..=PARTS).fold(0, |best, k| if values[k] > values[best] { k } else { best });
+        let (low, high) = (best.saturating_sub(1), (best + 1).min(PARTS));
+        // Between these places a parabola rises by no more than they differ.
+        let rise = values[best] - values[low].min(values[high]);
+        let mut peak = so_far.max(values[best]);
+        if rise == 0.0 || values[best] + rise < so_far {
+            return Ok(peak);
+        }
+        let wanted = &self.wanted[number];
+        let mut value = |t: f64| -> Result<f64, String> {
+            inside(t, &mut self.moving)?;
+            Ok(sign * wanted.at(self.equations, t, &self.moving)?)
+        };
+        let (mut a, mut b) = (time(low), time(high));
+        let (mut left, mut right) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
+        let (mut at_left, mut at_right) = (value(left)?, value(right)?);
+        // The place is then known to a millionth of the step, the value to the square of that.
+        for _ in 0..25 {
+            peak = peak.max(at_left).max(at_right);
+            if at_left > at_right {
+                (b, right, at_right) = (right, left, at_left);
+                left = b - GOLDEN * (b - a);
+                at_left = value(left)?;
+            } else {
+                (a, left, at_left) = (left, right, at_right);
+                right = a + GOLDEN * (b - a);
+                at_right = value(right)?;
+            }
+        }
+        Ok(peak.max(at_left).max(at_right))
+    }
+}
+
+/// The integral over values that are equally far apart.
+fn simpson(values: &[f64; PARTS + 1], width: f64) -> f64 {
+    let weight = |k: usize| match k {
+        0 | PARTS => 1.0,
+        k if k % 2 == 1 => 4.0,
+        _ => 2.0,
+    };
+    let sum: f64 = values.iter().enumerate().map(|(k, value)| weight(k) * value).sum();
+    sum * width / (3.0 * PARTS as f64)
+}

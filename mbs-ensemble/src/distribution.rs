@@ -1,0 +1,188 @@
+//! Distributions, by their quantiles: so every sequence of points, correlated or not, is made into values one way.
+
+use statrs::distribution::{ContinuousCDF, Normal, Triangular};
+
+/// The distribution of one variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Distribution {
+    /// All values of an interval alike.
+    Uniform {
+        /// The lowest value.
+        low: f64,
+        /// The highest value.
+        high: f64,
+    },
+    /// Densities that rise and fall along straight lines.
+    Triangular {
+        /// The lowest value.
+        low: f64,
+        /// The most likely value.
+        mode: f64,
+        /// The highest value.
+        high: f64,
+    },
+    /// Gauss' distribution.
+    Normal {
+        /// The mean.
+        mean: f64,
+        /// The standard deviation.
+        deviation: f64,
+    },
+    /// Gauss' distribution of what lies within two bounds.
+    TruncatedNormal {
+        /// The mean before it is cut off.
+        mean: f64,
+        /// The standard deviation before it is cut off.
+        deviation: f64,
+        /// The lowest value.
+        low: f64,
+        /// The highest value.
+        high: f64,
+    },
+    /// The logarithm has Gauss' distribution.
+    Lognormal {
+        /// Half of the values are below it.
+        median: f64,
+        /// The standard deviation of the logarithm.
+        deviation: f64,
+    },
+}
+
+impl Distribution {
+    /// Why there is no such distribution, as the end of a sentence; `None` where there is one.
+    pub fn refusal(&self) -> Option<&'static str> {
+        let refused = |is_wrong: bool, reason| is_wrong.then_some(reason);
+        match *self {
+            Distribution::Uniform { low, high } => refused(low >= high, "the lowest value must be below the highest"),
+            Distribution::Triangular { low, mode, high } => refused(
+                low >= high || mode < low || mode > high,
+                "lowest, most likely and highest must be in this order",
+            ),
+            Distribution::Normal { deviation, .. } => refused(deviation <= 0.0, "the deviation must be positive"),
+            Distribution::TruncatedNormal { deviation, .. } if deviation <= 0.0 => {
+                Some("the deviation must be positive")
+            }
+            Distribution::TruncatedNormal { low, high, .. } if low >= high => {
+                Some("the lowest value must be below the highest")
+            }
+            Distribution::TruncatedNormal { .. } => {
+                let [below, above] = self.tails();
+                refused(1.0 - below - above < 1e-12, "hardly anything of the distribution lies within these bounds")
+            }
+            Distribution::Lognormal { median, deviation } => {
+                refused(median <= 0.0 || deviation <= 0.0, "median and deviation must be positive")
+            }
+        }
+    }
+
+    /// The probabilities of what is cut off on both sides of a normal distribution.
+    fn tails(&self) -> [f64; 2] {
+        let Distribution::TruncatedNormal { mean, deviation, low, high } = *self else { return [0.0; 2] };
+        [standard().cdf((low - mean) / deviation), standard().cdf((mean - high) / deviation)]
+    }
+
+    /// The value that is not exceeded with this probability, from 0 to 1, both excluded.
+    ///
+    /// ```
+    /// use mbs_ensemble::Distribution;
+    /// assert_eq!(Distribution::Uniform { low: 2.0, high: 4.0 }.quantile(0.25), 2.5);
+    /// ```
+    pub fn quantile(&self, probability: f64) -> f64 {
+        match *self {
+            Distribution::Uniform { low, high } => low + (high - low) * probability,
+            Distribution::Triangular { low, mode, high } => {
+                let unit = Triangular::new(0.0, 1.0, (mode - low) / (high - low));
+                unit.map_or(f64::NAN, |unit| low + (high - low) * unit.inverse_cdf(probability))
+            }
+            Distribution::Normal { .. } | Distribution::Lognormal { .. } => {
+                self.at_deviate(standard().inverse_cdf(probability))
+            }
+            Distribution::TruncatedNormal { mean, deviation, low, high } => {
+                let [below, above] = self.tails();
+                let probability = below + probability * (1.0 - below - above);
+                (mean + deviation * standard().inverse_cdf(probability)).clamp(low, high)
+            }
+        }
+    }
+
+    /// The value at as many standard deviations as a standard normal number has.
+    pub fn at_deviate(&self, deviate: f64) -> f64 {
+        match *self {
+            Distribution::Normal { mean, deviation } => mean + deviation * deviate,
+            Distribution::Lognormal { median, deviation } => median * (deviation * deviate).exp(),
+            _ => self.quantile(standard().cdf(deviate)),
+        }
+    }
+}
+
+/// Mean 0, deviation 1.
+pub(crate) fn standard() -> Normal {
+    Normal::standard()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean and variance by the midpoint rule over the quantiles.
+    fn moments(distribution: Distribution) -> [f64; 2] {
+        let n = 200_000;
+        let values = (0..n).map(|i| distribution.quantile((f64::from(i) + 0.5) / f64::from(n)));
+        let values: Vec<f64> = values.collect();
+        let mean = values.iter().sum::<f64>() / f64::from(n);
+        [mean, values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(n)]
+    }
+
+    #[test]
+    fn moments_are_those_of_the_formulas() {
+        let check = |distribution, expected: [f64; 2]| {
+            for (found, expected) in moments(distribution).into_iter().zip(expected) {
+                assert!(
+                    (found - expected).abs() < 2e-4 * (1.0 + expected.abs()),
+                    "{distribution:?}: {found} {expected}"
+                );
+            }
+        };
+        check(Distribution::Uniform { low: 1.0, high: 4.0 }, [2.5, 0.75]);
+        let (a, c, b) = (1.0_f64, 2.0_f64, 5.0_f64);
+        let variance = (a * a + b * b + c * c - a * b - a * c - b * c) / 18.0;
+        check(Distribution::Triangular { low: a, mode: c, high: b }, [(a + b + c) / 3.0, variance]);
+        check(Distribution::Triangular { low: 1.0, mode: 1.0, high: 4.0 }, [2.0, 0.5]);
+        check(Distribution::Normal { mean: -1.0, deviation: 2.0 }, [-1.0, 4.0]);
+        let s2 = 0.01_f64;
+        let mean = 3.0 * (s2 / 2.0).exp();
+        check(Distribution::Lognormal { median: 3.0, deviation: 0.1 }, [mean, mean * mean * (s2.exp() - 1.0)]);
+        // One standard deviation on both sides: the variance is 1 − 2 φ(1) / (Φ(1) − Φ(−1)).
+        let variance = 1.0 - 2.0 * 0.241_970_724_519_143_37 / 0.682_689_492_137_085_9;
+        check(Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low: -1.0, high: 1.0 }, [0.0, variance]);
+    }
+
+    #[test]
+    fn deviates_and_quantiles_agree() {
+        let all = [
+            Distribution::Uniform { low: 1.0, high: 4.0 },
+            Distribution::Triangular { low: 1.0, mode: 2.0, high: 4.0 },
+            Distribution::Lognormal { median: 3.0, deviation: 0.1 },
+            Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low: 0.5, high: 1.0 },
+        ];
+        for distribution in all {
+            assert_eq!(distribution.refusal(), None);
+            for deviate in [-3.0, -0.5, 0.0, 1.0, 2.5] {
+                let (a, b) = (distribution.at_deviate(deviate), distribution.quantile(standard().cdf(deviate)));
+                assert!((a - b).abs() < 1e-9, "{distribution:?} {deviate}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn impossible_distributions_are_refused() {
+        let wrong = [
+            Distribution::Uniform { low: 1.0, high: 1.0 },
+            Distribution::Triangular { low: 1.0, mode: 5.0, high: 4.0 },
+            Distribution::Normal { mean: 0.0, deviation: 0.0 },
+            Distribution::Lognormal { median: -1.0, deviation: 0.1 },
+            Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low: 30.0, high: 31.0 },
+        ];
+        assert!(wrong.iter().all(|distribution| distribution.refusal().is_some()));
+    }
+}
