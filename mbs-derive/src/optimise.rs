@@ -321,11 +321,11 @@ fn cheapest<'e, 'g>(ways: Vec<Vec<Way<'e, 'g>>>, forms: &mut Forms) -> Vec<Way<'
             None => by_function.push(vec![way]),
         }
     }
-    let mut cheapest = |ways: Vec<Way<'e, 'g>>| match ways.len() {
+    let cheapest = |ways: Vec<Way<'e, 'g>>| match ways.len() {
         1 => ways.into_iter().next(),
         _ => ways.into_iter().min_by_key(|way| way.cost(forms).weight()),
     };
-    by_function.into_iter().filter_map(|ways| cheapest(ways)).collect()
+    by_function.into_iter().filter_map(cheapest).collect()
 }
 
 /// The programs by one route, for each way that it can go; none where it leads nowhere. Not proved.
