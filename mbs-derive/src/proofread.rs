@@ -64,6 +64,27 @@ impl Derivation {
         let items = module.content.as_ref().map_or(&[][..], |(_, items)| items);
         Proofreader::new(self, options).module(items)
     }
+
+    /// Reads the header of an interface again, and what is to follow it. Its forward dynamics is compared with the
+    /// Program in which inputs stand for comparisons, and what it compares with the operands in this mechanism's own.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Stop { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; \
+    ///             force x += if x < 1 m { 0 } else { k*(1 m - x) }; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("stop.mbs", text), &graph).unwrap();
+    /// let mut interface = mbs_derive::emit::Interface::of(analysis.programs(), "stop.mbs");
+    /// assert!(analysis.programs().proofread_interface(&interface).is_ok());
+    /// interface.definitions = interface.definitions.replace("(x) - ", "(x) + ");
+    /// assert!(analysis.programs().proofread_interface(&interface).is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// [`Failure::Misprint`], with the function and what differs in it.
+    pub fn proofread_interface(&self, interface: &emit::Interface) -> Result<(), Failure> {
+        foreign::proofread_interface(self, interface)
+    }
 }
 
 fn misprint(function: &str, what: String) -> Failure {

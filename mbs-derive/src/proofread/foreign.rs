@@ -44,13 +44,29 @@ pub(super) fn proofread(
     options: &Options,
     code: &str,
 ) -> Result<(), Failure> {
+    read(derivation, language, options, code, None)
+}
+
+/// Reads the header of an interface and what follows it, with the operands of what this mechanism compares.
+pub(super) fn proofread_interface(derivation: &Derivation, interface: &emit::Interface) -> Result<(), Failure> {
+    let code = [interface.header.as_str(), &interface.definitions].concat();
+    read(&interface.told, Language::C, &Options::default(), &code, Some(derivation))
+}
+
+fn read(
+    derivation: &Derivation,
+    language: Language,
+    options: &Options,
+    code: &str,
+    compared: Option<&Derivation>,
+) -> Result<(), Failure> {
     let Some(dialect) = Dialect::of(language, options.trigonometry) else { return Ok(()) };
     let mut numbering = Numbering::default();
     numbering.divide_for_sech(dialect.family != Family::C);
     let sheet = Sheet::new(derivation, dialect, options, &mut numbering).map_err(|what| misprint("text", what))?;
     let in_text = |what| misprint("text", what);
     let expected = match dialect.family {
-        Family::C => c::text(sheet),
+        Family::C => c::text(sheet, compared),
         Family::Js => js::text(sheet),
         Family::Python => python::text(sheet),
         Family::Matlab => matlab::text(sheet),
@@ -253,7 +269,7 @@ impl Comparison<'_, '_> {
         let called = reader.tokens.iter().zip(reader.tokens.iter().skip(1)).filter(|(_, next)| next.is("("));
         let is_missing = |name: &&str| name.to_lowercase().starts_with("mbs_") && !self.known.contains(*name);
         let names = called.map(|(token, _)| token.text.split('.').next().unwrap_or_default());
-        match names.filter(|name| !["mbs_self", "mbs_result"].contains(name)).find(is_missing) {
+        match names.filter(|name| !["mbs_self", "mbs_result", "mbs_fmu_switches"].contains(name)).find(is_missing) {
             Some(name) => Err(format!("`{name}` is missing")),
             None => Ok(()),
         }

@@ -1,13 +1,16 @@
 //! A header of C, C++, CUDA or OpenCL C.
 
 use crate::emit::Language;
+use crate::expr::Function;
 use crate::model::requirement::Condition;
+use crate::optimise::{Derivation, FunctionKind, Instruction};
 use crate::shape::Shape;
 use crate::variable::{Variable, count};
 
 use super::sheet::{Argued, Ending, Expected, Routine, Sheet, joined};
 
-pub(super) fn text(mut sheet: Sheet<'_, '_>) -> Expected {
+/// A header; behind it, where an interface is asked for, what forward dynamics of a mechanism compares.
+pub(super) fn text(mut sheet: Sheet<'_, '_>, compared: Option<&Derivation>) -> Expected {
     let prefix = sheet.identifiers.mechanism.clone();
     let guard = format!("MBS_{}_H", prefix.to_uppercase());
     let library = "#ifndef MBS_LIBRARY_TRIGONOMETRY\n#define MBS_LIBRARY_TRIGONOMETRY\n#endif\n";
@@ -32,7 +35,42 @@ pub(super) fn text(mut sheet: Sheet<'_, '_>) -> Expected {
         Language::Cuda | Language::Opencl => text += &kernels(&prefix, &functions),
         _ => {}
     }
-    sheet.finished(text + &format!("\n#endif /* {guard} */\n"))
+    text += &format!("\n#endif /* {guard} */\n");
+    text += &compared.map(|derivation| switches(&mut sheet, &prefix, derivation)).unwrap_or_default();
+    sheet.finished(text)
+}
+
+/// What an interface has behind the header: left sides less right ones, and arguments of signs.
+fn switches(sheet: &mut Sheet<'_, '_>, prefix: &str, derivation: &Derivation) -> String {
+    let program = derivation.function(FunctionKind::ForwardDynamics).map(|function| &function.program);
+    let (mut comparisons, mut signs) = (Vec::new(), Vec::new());
+    for instruction in program.into_iter().flat_map(|program| &program.instructions) {
+        match *instruction {
+            Instruction::Less(a, b) if !comparisons.contains(&(a, b, false)) => comparisons.push((a, b, false)),
+            Instruction::LessEqual(a, b) if !comparisons.contains(&(a, b, true)) => comparisons.push((a, b, true)),
+            Instruction::Call(Function::Signum, a) if !signs.contains(&a) => signs.push(a),
+            _ => {}
+        }
+    }
+    let operands = comparisons.iter().flat_map(|&(a, b, _)| [a, b]).chain(signs.iter().copied()).collect();
+    let begin = sheet.scope("mbs_fmu_switches", "self->params.", false);
+    let values = sheet.switches(program, operands);
+    let (pairs, signs) = values.split_at(2 * comparisons.len());
+    let differences = pairs.chunks(2).zip(&comparisons).map(|(pair, (.., equal_too))| {
+        (format!("({}) - ({})", pair[0], pair[1]), if *equal_too { "-MBS_TINY" } else { "MBS_TINY" })
+    });
+    let all = differences.chain(signs.iter().map(|sign| (sign.clone(), "MBS_TINY")));
+    let lines = all.enumerate().map(|(k, (difference, at_zero))| {
+        let is_other = format!("if (!(result[{k}] < 0.0 || result[{k}] > 0.0)) result[{k}] = {at_zero};\n");
+        format!("result[{k}] = {difference};\n{is_other}")
+    });
+    let lines: String = lines.collect();
+    format!(
+        "#define MBS_TINY 2.2250738585072014e-308\n{begin}\nstatic void mbs_fmu_switches(const {prefix} *self, \
+         mbs_real t, const mbs_real *prescribed, const mbs_real *q, const mbs_real *qd, const mbs_real *u, \
+         mbs_real *result)\n{{ (void)self; (void)t; (void)prescribed; (void)q; (void)qd; (void)u; (void)result; \
+         ⟨⟩ {lines} }}\n"
+    )
 }
 
 fn has_kernels(sheet: &Sheet<'_, '_>) -> bool {

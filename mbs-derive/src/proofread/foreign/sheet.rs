@@ -2,7 +2,7 @@
 
 use crate::emit::{Identifiers, Options};
 use crate::expr::Symbol;
-use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
+use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Program};
 use crate::shape::Shape;
 use crate::variable::{Variable, count};
 
@@ -278,6 +278,15 @@ impl<'d, 'n> Sheet<'d, 'n> {
         let names = names.into_iter().map(|(name, value)| (name.to_string(), value));
         self.scopes.last_mut().expect("a function has begun").names.extend(names);
         arguments
+    }
+
+    /// Values of forward dynamics, in a scope of all that there is.
+    pub(super) fn switches(&mut self, program: Option<&Program>, values: Vec<crate::optimise::Value>) -> Vec<String> {
+        let Some(function) = self.derivation.function(FunctionKind::ForwardDynamics) else { return Vec::new() };
+        self.arguments(function, Ending::Values);
+        let program = program.map(|program| Program { results: values, ..program.clone() }).unwrap_or_default();
+        let numbers = self.numbering.results(&program, &self.expectation.hoisted, |_| false);
+        self.slots(&numbers)
     }
 
     /// The name of forward dynamics in the text.
