@@ -20,7 +20,7 @@ pub(super) fn derivation(name: &str) -> Option<Derivation> {
     Some(derived(&path, text))
 }
 
-fn derived(path: &Path, text: String) -> Derivation {
+pub(super) fn derived(path: &Path, text: String) -> Derivation {
     let (name, graph) = (path.display().to_string(), Graph::verbatim());
     match Analysis::of(&Sources::new(&name, &text), &graph) {
         Ok(analysis) => analysis.into_programs(),
