@@ -155,9 +155,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 /// The code, read again.
 fn written(language: Language, derivation: &Derivation, sources: &Sources, options: &Options) -> Result<String, Error> {
     let code = language.write(derivation, sources.portable_name(), options);
-    if language == Language::Rust {
-        derivation.proofread(options, &code)?;
-    }
+    derivation.proofread(language, options, &code)?;
     Ok(code)
 }
 

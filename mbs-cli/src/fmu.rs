@@ -134,6 +134,7 @@ fn packed(
     point: &Point,
 ) -> Result<Vec<u8>, Failure> {
     let mut interface = emit::Interface::of(derivation, sources.portable_name());
+    derivation.proofread_interface(&interface).map_err(Failure::new)?;
     let header = std::mem::take(&mut interface.header);
     let model = Model { derivation, interface: &interface, point, tolerance: arguments.tolerance };
     let variables = variable::variables(derivation, point, interface.switches);

@@ -156,7 +156,7 @@ impl<'g> Analysis<'g> {
             }
         }
         let code = emit::rust(derivation, self.sources.portable_name(), options);
-        derivation.proofread(options, &code)?;
+        derivation.proofread(Language::Rust, options, &code)?;
         Ok(Generated {
             module: emit::module_name(derivation),
             name: emit::type_name(derivation),
@@ -165,17 +165,19 @@ impl<'g> Analysis<'g> {
             constraints: derivation.constraints.len(),
             implements_mechanism: emit::implements_mechanism(derivation, options),
             code,
-            others: self.others(options),
+            others: self.others(options)?,
             warnings: warnings.render_in(&self.sources),
         })
     }
 
     /// The files of other languages than Rust, in the order of the list.
-    fn others(&self, options: &Options) -> Vec<(String, String)> {
+    fn others(&self, options: &Options) -> Result<Vec<(String, String)>, Error> {
         let derivation = &self.programs;
         let asked_for = |language: &Language| *language != Language::Rust && options.languages.contains(language);
         let file = |language: Language| {
-            (language.file_name(derivation), language.write(derivation, self.sources.portable_name(), options))
+            let code = language.write(derivation, self.sources.portable_name(), options);
+            derivation.proofread(language, options, &code)?;
+            Ok((language.file_name(derivation), code))
         };
         Language::ALL.into_iter().filter(asked_for).map(file).collect()
     }

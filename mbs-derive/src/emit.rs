@@ -16,7 +16,7 @@
 //! - `walk`: what all other languages have in common: which statements stand where;
 //! - `c`: the same in C99, C++, CUDA and OpenCL C;
 //! - `script`: the same in languages that are not compiled;
-//! - `language`: the list of languages.
+//! - `language`: the list of languages; `identifiers`: what a text in one of them calls things.
 //!
 //! The code links mbs-runtime by absolute path and nothing else. It computes what [`interpret`](crate::interpret)
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
@@ -26,6 +26,7 @@ mod body;
 mod c;
 mod doc;
 mod expression;
+mod identifiers;
 mod item;
 mod language;
 mod name;
@@ -43,6 +44,7 @@ mod walk;
 pub use crate::expr::sin_cos::Trigonometry;
 use crate::optimise::Derivation;
 pub use c::Interface;
+pub(crate) use identifiers::{Identifiers, shared};
 pub use language::Language;
 
 /// What is generated.

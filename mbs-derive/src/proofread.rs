@@ -7,8 +7,10 @@
 //! - `numbering`: what is one value;
 //! - `meaning`: what expressions mean, and what functions are to return;
 //! - `reader`: Rust, as far as it is emitted, read as meanings;
-//! - `frame`: what stands around functions: types, traits, constants.
+//! - `frame`: what stands around functions: types, traits, constants;
+//! - `foreign`: the other languages, by one reader.
 
+mod foreign;
 mod frame;
 mod meaning;
 mod numbering;
@@ -20,7 +22,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use syn::{ImplItem, Item, ItemImpl};
 
-use crate::emit::{self, Options};
+use crate::emit::{self, Language, Options};
 use crate::expr::Number as Constant;
 use crate::optimise::{Argument, Derivation, Function, FunctionKind};
 use crate::verify::Failure;
@@ -30,7 +32,7 @@ use numbering::Numbering;
 use reader::{Method, Module, Reader, Reading, compact, path_of};
 
 impl Derivation {
-    /// Reads emitted Rust again, and compares each function with its Program.
+    /// Reads emitted code again, and compares each function with its Program.
     ///
     /// ```
     /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
@@ -38,16 +40,20 @@ impl Derivation {
     ///             potential += k*x^2/2; }";
     /// let graph = Graph::verbatim();
     /// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
+    /// use mbs_derive::emit::Language;
     /// let (programs, options) = (analysis.programs(), Default::default());
-    /// let code = mbs_derive::emit::rust(programs, "spring.mbs", &options);
-    /// assert!(programs.proofread(&options, &code).is_ok());
-    /// let misprint = programs.proofread(&options, &code.replace("[k * x]", "[k + x]")).unwrap_err();
+    /// let code = Language::C.write(programs, "spring.mbs", &options);
+    /// assert!(programs.proofread(Language::C, &options, &code).is_ok());
+    /// let misprint = programs.proofread(Language::C, &options, &code.replace("= k * x", "= k + x")).unwrap_err();
     /// assert!(misprint.to_string().contains("`(p_0 + q_0)` instead of `(p_0 * q_0)`"));
     /// ```
     ///
     /// # Errors
     /// [`Failure::Misprint`], with the function and what differs in it.
-    pub fn proofread(&self, options: &Options, code: &str) -> Result<(), Failure> {
+    pub fn proofread(&self, language: Language, options: &Options, code: &str) -> Result<(), Failure> {
+        if language != Language::Rust {
+            return foreign::proofread(self, language, options, code);
+        }
         let file = syn::parse_file(code).map_err(|error| misprint("module", error.to_string()))?;
         let [Item::Mod(module)] = file.items.as_slice() else {
             return Err(misprint("module", "the text is not one module".to_string()));
@@ -57,6 +63,27 @@ impl Derivation {
         }
         let items = module.content.as_ref().map_or(&[][..], |(_, items)| items);
         Proofreader::new(self, options).module(items)
+    }
+
+    /// Reads the header of an interface again, and what is to follow it. Its forward dynamics is compared with the
+    /// Program in which inputs stand for comparisons, and what it compares with the operands in this mechanism's own.
+    ///
+    /// ```
+    /// use mbs_derive::{Analysis, expr::Graph, source::Sources};
+    /// let text = "mechanism Stop { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; \
+    ///             force x += if x < 1 m { 0 } else { k*(1 m - x) }; }";
+    /// let graph = Graph::verbatim();
+    /// let analysis = Analysis::of(&Sources::new("stop.mbs", text), &graph).unwrap();
+    /// let mut interface = mbs_derive::emit::Interface::of(analysis.programs(), "stop.mbs");
+    /// assert!(analysis.programs().proofread_interface(&interface).is_ok());
+    /// interface.definitions = interface.definitions.replace("(x) - ", "(x) + ");
+    /// assert!(analysis.programs().proofread_interface(&interface).is_err());
+    /// ```
+    ///
+    /// # Errors
+    /// [`Failure::Misprint`], with the function and what differs in it.
+    pub fn proofread_interface(&self, interface: &emit::Interface) -> Result<(), Failure> {
+        foreign::proofread_interface(self, interface)
     }
 }
 

@@ -36,7 +36,7 @@ pub(crate) struct Library {
 impl Library {
     /// What is compiled, and kept from an earlier time if it was; the reason where it is not.
     pub(crate) fn of(derivation: &Derivation) -> Result<Self, String> {
-        let (text, names) = source(derivation).ok_or("the header has no struct of parameters")?;
+        let (text, names) = source(derivation)?;
         let mut reasons = Vec::new();
         let mut path = None;
         for compiler in compilers() {
@@ -111,10 +111,12 @@ impl Library {
 const MOST: usize = 8;
 
 /// The header, with a loop over states for each function of it, and their names.
-fn source(derivation: &Derivation) -> Option<(String, Vec<Option<String>>)> {
+fn source(derivation: &Derivation) -> Result<(String, Vec<Option<String>>), String> {
     let mut text = emit::Language::C.write(derivation, "Python", &Default::default());
-    let prefix = text.split_once("_parameters {").and_then(|(before, _)| before.rsplit("typedef struct ").next())?;
-    let prefix = prefix.to_string();
+    let read = derivation.proofread(emit::Language::C, &Default::default(), &text);
+    read.map_err(|misprint| misprint.to_string())?;
+    let prefix = text.split_once("_parameters {").and_then(|(before, _)| before.rsplit("typedef struct ").next());
+    let prefix = prefix.ok_or("the header has no struct of parameters")?.to_string();
     let parameters = component_names(&derivation.parameters).len();
     text += "#include <string.h>\n";
     let _ = writeln!(text, "size_t mbs_py_size(void) {{ return sizeof({prefix}); }}");
@@ -137,7 +139,7 @@ fn source(derivation: &Derivation) -> Option<(String, Vec<Option<String>>)> {
         text += &looped(derivation, number, &prefix, &function);
         names.push(Some(format!("mbs_py_{number}")));
     }
-    Some((text, names))
+    Ok((text, names))
 }
 
 fn looped(derivation: &Derivation, number: usize, prefix: &str, function: &str) -> String {

@@ -78,15 +78,19 @@ impl Model {
         &self.description
     }
 
-    /// Its code.
+    /// Its code, read again.
     ///
     /// # Errors
-    /// There is no such language.
+    /// There is no such language, or the text is not what was proved.
     pub fn printed(&self, language: &str) -> Result<String, Failure> {
         let (derivation, name, options) = (&self.derivation, self.sources.portable_name(), emit::Options::default());
         match language {
-            "rust" => Ok(emit::rust(derivation, name, &options)),
-            "c" => Ok(emit::Language::C.write(derivation, name, &options)),
+            "rust" | "c" => {
+                let language = if language == "c" { emit::Language::C } else { emit::Language::Rust };
+                let code = language.write(derivation, name, &options);
+                let read = derivation.proofread(language, &options, &code);
+                read.map(|()| code).map_err(|misprint| Failure::of_model(&misprint.into(), &self.sources))
+            }
             "review" => Ok(derivation.review(name)),
             "latex" | "mathml" => {
                 let graph = Graph::verbatim();

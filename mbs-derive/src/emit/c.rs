@@ -29,10 +29,11 @@ use std::fmt::Write;
 use crate::optimise::Derivation;
 use crate::variable;
 
-use super::Options;
 use super::walk::{Routine, Walk, block_comment};
+use super::{Identifiers, Options};
 pub use interface::Interface;
 use name::prefix;
+pub(super) use prelude::shared;
 use syntax::constant;
 
 /// What a header is written in.
@@ -66,6 +67,22 @@ pub(super) fn c(derivation: &Derivation, source: &str, options: &Options) -> Str
 /// The header of a mechanism in a dialect of C.
 pub(super) fn written(derivation: &Derivation, source: &str, options: &Options, dialect: Dialect) -> String {
     Header::new(Walk::new(derivation, source, options), dialect).written()
+}
+
+/// What a header calls things.
+pub(super) fn identifiers(walk: Walk<'_>) -> Identifiers {
+    let header = Header::new(walk, Dialect::C);
+    let function = |(i, _): &(usize, _)| {
+        let name = &header.walk.names.functions[*i];
+        (*i, header.name(name), name::identifier(&function::plain(name)))
+    };
+    Identifiers {
+        mechanism: header.prefix.clone(),
+        class: name::identifier(&header.derivation.name),
+        parameters: header.walk.parameters().map(|(_, field)| name::identifier(&field)).collect(),
+        functions: header.walk.functions.iter().map(function).collect(),
+        motion: header.name(&header.walk.names.constrained_motion),
+    }
 }
 
 /// A longer head of a function has a line for each argument.

@@ -9,6 +9,7 @@ mod pieces;
 pub(super) mod python;
 
 use super::walk::indented;
+pub(super) use pieces::pieces;
 
 /// A longer list has an element a line.
 const WIDEST: usize = 100;

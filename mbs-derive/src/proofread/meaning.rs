@@ -179,7 +179,7 @@ impl<'d> Expectation<'d> {
     }
 
     /// The results of a function's program.
-    fn results(&self, function: &Function, numbering: &mut Numbering) -> Vec<Number> {
+    pub(super) fn results(&self, function: &Function, numbering: &mut Numbering) -> Vec<Number> {
         let takes = |argument: Argument| function.arguments.contains(&argument);
         let is_found = |symbol: Symbol| match symbol {
             Symbol::Acceleration(_) => !takes(Argument::Qdd),

@@ -56,6 +56,8 @@ pub(super) struct Numbering {
     numbers: HashMap<Operation, u32, BuildHasherDefault<MixHasher>>,
     /// The bits of the places and rows of splines.
     splines: Vec<[Vec<Vec<u64>>; 2]>,
+    /// Whether sech(a) is 1/cosh(a), as languages without it have it.
+    divides_for_sech: bool,
 }
 
 impl Numbering {
@@ -105,8 +107,17 @@ impl Numbering {
         self.of(Operation::Root(a))
     }
 
+    /// Takes sech(a) for 1/cosh(a) from now on, or does not.
+    pub(super) fn divide_for_sech(&mut self, divides: bool) {
+        self.divides_for_sech = divides;
+    }
+
     /// `f(a)`
     pub(super) fn call(&mut self, function: Function, a: Number) -> Number {
+        if function == Function::Sech && self.divides_for_sech {
+            let [one, cosh] = [self.constant(1.0), self.call(Function::Cosh, a)];
+            return self.quotient(one, cosh);
+        }
         self.of(Operation::Call(function, a))
     }
 

@@ -14,13 +14,13 @@ use crate::source::Sources;
 const DAMAGES: usize = 400;
 
 /// Derived, not proved; `None` in a package, which has no mechanisms beside it.
-fn derivation(name: &str) -> Option<Derivation> {
+pub(super) fn derivation(name: &str) -> Option<Derivation> {
     let path = Path::new("..").join(name).with_extension("mbs");
     let text = std::fs::read_to_string(&path).ok()?;
     Some(derived(&path, text))
 }
 
-fn derived(path: &Path, text: String) -> Derivation {
+pub(super) fn derived(path: &Path, text: String) -> Derivation {
     let (name, graph) = (path.display().to_string(), Graph::verbatim());
     match Analysis::of(&Sources::new(&name, &text), &graph) {
         Ok(analysis) => analysis.into_programs(),
@@ -34,12 +34,12 @@ fn emitted(derivation: &Derivation, options: &Options) -> String {
 
 #[track_caller]
 fn check(derivation: &Derivation, options: &Options) {
-    let read = derivation.proofread(options, &emitted(derivation, options));
+    let read = derivation.proofread(Language::Rust, options, &emitted(derivation, options));
     assert!(read.is_ok(), "{}: {}", derivation.name, read.unwrap_err());
 }
 
 /// Mechanisms of all constructs that are derived at once.
-const QUICK: [&str; 17] = [
+pub(super) const QUICK: [&str; 17] = [
     "models/mechanisms/pendulum",
     "models/mechanisms/cart_pole",
     "models/mechanisms/double_pendulum",
@@ -231,7 +231,7 @@ fn damage(derivation: &Derivation, options: &Options) -> BTreeMap<&'static str, 
         if syn::parse_file(&text).is_err() {
             continue;
         }
-        match derivation.proofread(options, &text) {
+        match derivation.proofread(Language::Rust, options, &text) {
             Err(Failure::Misprint { .. }) => *refused.entry(*what).or_insert(0) += 1,
             Err(other) => panic!("{other}"),
             Ok(()) => {
@@ -283,7 +283,7 @@ fn a_report_says_where_and_what() {
     let code = emitted(&derivation, &Options::default());
     let report = |from: &str, to: &str| {
         assert!(code.contains(from), "{code}");
-        match derivation.proofread(&Options::default(), &code.replacen(from, to, 1)) {
+        match derivation.proofread(Language::Rust, &Options::default(), &code.replacen(from, to, 1)) {
             Err(Failure::Misprint { function, what }) => format!("{function}: {what}"),
             other => panic!("{other:?}"),
         }

@@ -124,6 +124,8 @@ pub fn pipeline(bytes: &[u8]) -> Result<(), String> {
         if written.is_empty() || language.file_name(analysis.programs()).is_empty() {
             return Err(format!("nothing is written in {}", language.name()));
         }
+        let read = analysis.programs().proofread(language, &Options::default(), &written);
+        read.map_err(|misprint| format!("{}: {misprint}", language.name()))?;
     }
     if analysis.mathml().is_empty() {
         return Err("the page of the textbook is empty".to_string());

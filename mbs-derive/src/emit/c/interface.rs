@@ -44,6 +44,8 @@ pub struct Interface {
     /// and the argument of every sign; where a difference is zero, the least number with the sign of the side that is
     /// taken there.
     pub definitions: String,
+    /// The mechanism whose forward dynamics is told which comparisons hold.
+    pub(crate) told: Derivation,
 }
 
 impl Interface {
@@ -54,14 +56,18 @@ impl Interface {
         let sides = Sides::of(&dynamics);
         let told = sides.told(derivation);
         let header = Header::new(Walk::new(&told, source, &Options::default()), Dialect::C);
+        let (text, definitions) = (header.written(), header.switches(&dynamics, &sides));
+        let functions = header.walk.names.functions.iter().map(|function| header.name(function)).collect();
+        let parameters = (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect();
         Interface {
-            header: header.written(),
-            functions: header.walk.names.functions.iter().map(|function| header.name(function)).collect(),
-            parameters: (0..variable::count(&derivation.parameters)).map(|i| header.field(i)).collect(),
+            header: text,
+            functions,
+            parameters,
             comparisons: sides.comparisons.len(),
             switches: sides.comparisons.len() + sides.signs.len(),
-            definitions: header.switches(&dynamics, &sides),
+            definitions,
             prefix: header.prefix,
+            told,
         }
     }
 }

@@ -8,12 +8,12 @@ use super::super::walk::{
     Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, if_else, indented,
     plain,
 };
-use super::super::{Options, doc};
+use super::super::{Identifiers, Options, doc};
 use super::list;
 use super::pieces::{needed, uses};
 
 /// What the modules share.
-const SHARED: &str = include_str!("prelude.mjs");
+pub(in crate::emit) const SHARED: &str = include_str!("prelude.mjs");
 
 /// The module of a mechanism; `source` is what its first line calls the declaration.
 pub(in crate::emit) fn js(derivation: &Derivation, source: &str, options: &Options) -> String {
@@ -99,6 +99,27 @@ impl Syntax for Js {
     }
 }
 
+/// What a text calls things.
+pub(in crate::emit) fn identifiers(walk: &Walk<'_>) -> Identifiers {
+    let function = |(i, _): &(usize, _)| {
+        let name = member(&plain(&walk.names.functions[*i]));
+        (*i, name.clone(), name)
+    };
+    let mechanism = Js.identifier(&plain(&walk.names.mechanism));
+    Identifiers {
+        class: mechanism.clone(),
+        mechanism,
+        parameters: walk.parameters().map(|(_, name)| field(&name)).collect(),
+        functions: walk.functions.iter().map(function).collect(),
+        motion: format!("#{}", plain(&walk.names.constrained_motion)),
+    }
+}
+
+/// The name of a method.
+fn member(name: &str) -> String {
+    if name == "constructor" { "constructor_2".to_string() } else { name.to_string() }
+}
+
 /// Any name is a property's, but one.
 fn field(name: &str) -> String {
     if name == "__proto__" { format!("js_{name}") } else { name.to_string() }
@@ -168,10 +189,9 @@ fn constructor(walk: &Walk<'_>, class: &str) -> String {
 
 fn method(walk: &Walk<'_>, routine: &Routine) -> String {
     let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
-    let name = match (&routine.ending, routine.name.as_str()) {
-        (Ending::Motion, name) => format!("#{name}"),
-        (_, "constructor") => "constructor_2".to_string(),
-        (_, name) => name.to_string(),
+    let name = match &routine.ending {
+        Ending::Motion => format!("#{}", routine.name),
+        _ => member(&routine.name),
     };
     let mut docs = routine.docs.clone();
     docs.push(String::new());

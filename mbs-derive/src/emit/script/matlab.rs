@@ -7,11 +7,11 @@ use crate::shape::Shape;
 use crate::variable::component_names;
 
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, if_else, plain};
-use super::super::{Options, doc};
+use super::super::{Identifiers, Options, doc};
 use super::pieces::{needed, uses};
 
 /// What the files share.
-const SHARED: &str = concat!(include_str!("prelude.m"), "\n\n", include_str!("constrained.m"));
+pub(in crate::emit) const SHARED: &str = concat!(include_str!("prelude.m"), "\n\n", include_str!("constrained.m"));
 
 /// The file of a mechanism; `source` is what its first line calls the declaration.
 pub(in crate::emit) fn matlab(derivation: &Derivation, source: &str, options: &Options) -> String {
@@ -204,13 +204,34 @@ fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
 
 /// What the function is in the struct.
 fn field(routine: &Routine) -> String {
-    let name = member(&routine.name);
+    field_name(&routine.name)
+}
+
+fn field_name(name: &str) -> String {
+    let name = member(name);
     if ["coordinates", "inputs"].contains(&name.as_str()) { format!("{name}_2") } else { name }
 }
 
 /// What the function is called in the file, where it must not hide one of the library.
 fn local_function(routine: &Routine) -> String {
     Matlab.identifier(&format!("f_{}", routine.name))
+}
+
+/// What a text calls things.
+pub(in crate::emit) fn identifiers(walk: &Walk<'_>) -> Identifiers {
+    let local = |name: &str| Matlab.identifier(&format!("f_{}", plain(name)));
+    let function = |(i, _): &(usize, _)| {
+        let name = &walk.names.functions[*i];
+        (*i, local(name), field_name(&plain(name)))
+    };
+    let mechanism = Matlab.identifier(&walk.snake_case());
+    Identifiers {
+        class: mechanism.clone(),
+        mechanism,
+        parameters: walk.parameters().map(|(_, name)| member(&name)).collect(),
+        functions: walk.functions.iter().map(function).collect(),
+        motion: local(&walk.names.constrained_motion),
+    }
 }
 
 /// Names of what is returned.

@@ -3,8 +3,7 @@
 /// The pieces of `shared` that `text` needs, in their order. Pieces are parted by two empty lines; each is known by the
 /// first word in it that begins with `mbs_`, after its comment.
 pub(super) fn needed(shared: &str, comment: &str, text: &str) -> String {
-    let pieces: Vec<(&str, &str)> =
-        shared.trim().split("\n\n\n").map(|piece| (name(piece, comment), piece.trim())).collect();
+    let pieces: Vec<(&str, &str)> = pieces(shared).map(|piece| (name(piece, comment), piece)).collect();
     let mut chosen = vec![false; pieces.len()];
     loop {
         let is_used = |name: &str| {
@@ -19,6 +18,11 @@ pub(super) fn needed(shared: &str, comment: &str, text: &str) -> String {
     }
     let chosen = pieces.iter().zip(chosen).filter(|(_, chosen)| *chosen);
     chosen.map(|((_, piece), _)| format!("{piece}\n\n")).collect()
+}
+
+/// All pieces of what files share.
+pub(in crate::emit) fn pieces(shared: &str) -> impl Iterator<Item = &str> {
+    shared.trim().split("\n\n\n").map(str::trim)
 }
 
 fn name<'p>(piece: &'p str, comment: &str) -> &'p str {

@@ -5,12 +5,12 @@ use crate::shape::Shape;
 use crate::variable::component_names;
 
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
-use super::super::{Options, doc};
+use super::super::{Identifiers, Options, doc};
 use super::list;
 use super::pieces::{needed, uses};
 
 /// What the modules share.
-const SHARED: &str = include_str!("prelude.py");
+pub(in crate::emit) const SHARED: &str = include_str!("prelude.py");
 
 /// The module of a mechanism; `source` is what its first line calls the declaration.
 pub(in crate::emit) fn python(derivation: &Derivation, source: &str, options: &Options) -> String {
@@ -50,6 +50,30 @@ fn is_keyword(name: &str) -> bool {
 /// The name of a method or of a parameter.
 fn member(name: &str) -> String {
     if name.starts_with('_') || is_keyword(name) { format!("py_{name}") } else { name.to_string() }
+}
+
+/// The name of a method, where others are of the class.
+fn method_name(name: &str) -> String {
+    match name {
+        "coordinates" | "inputs" => format!("{name}_2"),
+        name => member(name),
+    }
+}
+
+/// What a text calls things.
+pub(in crate::emit) fn identifiers(walk: &Walk<'_>) -> Identifiers {
+    let function = |(i, _): &(usize, _)| {
+        let name = method_name(&plain(&walk.names.functions[*i]));
+        (*i, name.clone(), name)
+    };
+    let mechanism = Python.identifier(&plain(&walk.names.mechanism));
+    Identifiers {
+        class: mechanism.clone(),
+        mechanism,
+        parameters: walk.parameters().map(|(_, name)| member(&name)).collect(),
+        functions: walk.functions.iter().map(function).collect(),
+        motion: format!("_{}", plain(&walk.names.constrained_motion)),
+    }
 }
 
 /// The identifier for a name, of a file as well.
@@ -242,10 +266,9 @@ fn constructor(walk: &Walk<'_>) -> String {
 }
 
 fn method(walk: &Walk<'_>, routine: &Routine) -> String {
-    let name = match (&routine.ending, routine.name.as_str()) {
-        (Ending::Motion, name) => format!("_{name}"),
-        (_, name @ ("coordinates" | "inputs")) => format!("{name}_2"),
-        (_, name) => member(name),
+    let name = match &routine.ending {
+        Ending::Motion => format!("_{}", routine.name),
+        _ => method_name(&routine.name),
     };
     let names: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
     let arguments = names.join(", ");

@@ -1,0 +1,294 @@
+//! Statements that give values names: bindings, sines and cosines, branches, fields of the constructor.
+
+use crate::expr::Function;
+
+use super::super::numbering::Number;
+use super::super::reader::Reading;
+use super::dialect::Family;
+use super::expression::{Reader, Value};
+use super::token::Kind;
+
+/// A side of a branch that is open, and what is known of the other one.
+pub(super) struct Side<'t> {
+    condition: Number,
+    /// What both sides are to give values, where it is declared before.
+    declared: Option<Vec<&'t str>>,
+    /// Names that have values within this side alone, in the order in which they got them.
+    bound: Vec<&'t str>,
+    /// Those of the first side, when the second one is read.
+    then: Option<Vec<(&'t str, Number)>>,
+}
+
+impl<'t> Reader<'_, 't> {
+    /// All statements up to what `is_end` says.
+    pub(super) fn statements(&mut self, is_end: impl Fn(&Self) -> bool) -> Reading<()> {
+        let mut sides: Vec<Side<'t>> = Vec::new();
+        while !sides.is_empty() || !is_end(self) {
+            if self.peek().is_some_and(|token| token.kind == Kind::Line) {
+                if self.peek().is_some_and(|token| token.text != self.dialect.indent) {
+                    return Err("a line begins in another column than its block".to_string());
+                }
+                self.at += 1;
+            }
+            self.statement(&mut sides)?;
+        }
+        Ok(())
+    }
+
+    fn statement(&mut self, sides: &mut Vec<Side<'t>>) -> Reading<()> {
+        let family = self.dialect.family;
+        let Some(token) = self.peek() else { return self.unknown() };
+        match (family, token.text) {
+            (Family::C, "const") => self.constant_of_c(sides),
+            (Family::C, "mbs_real") | (Family::Js, "let") => self.declared(sides),
+            (Family::C | Family::Js, "}") => self.end_of_side(sides),
+            (Family::Matlab, "else" | "end") => self.end_of_side(sides),
+            (Family::Matlab, "if") => self.begin(sides, None),
+            (Family::Js, "const") => {
+                self.at += 1;
+                match self.is_next("[") {
+                    true => self.pair(sides),
+                    false => self.constant_binding(sides),
+                }
+            }
+            (Family::Matlab, "[") => self.pair(sides),
+            (Family::Python, _) if self.tokens.get(self.at + 1).is_some_and(|token| token.is(",")) => self.pair(sides),
+            _ if self.is_constructor && token.text.starts_with(self.dialect.own[0]) => self.field(token.text),
+            (Family::C | Family::Js, _) => self.assignment(sides),
+            (Family::Python | Family::Matlab, _) => self.binding(sides),
+        }
+    }
+
+    fn ended(&mut self) -> Reading<()> {
+        match self.dialect.family {
+            Family::Python if self.peek().is_none_or(|token| token.kind == Kind::Line) => Ok(()),
+            Family::Python => self.unknown(),
+            Family::C | Family::Js | Family::Matlab => self.expect(";"),
+        }
+    }
+
+    /// Gives a new name a value, within the side that is open.
+    fn bind(&mut self, name: &'t str, value: Value, sides: &mut [Side<'t>]) -> Reading<()> {
+        let is_known = self.names.contains_key(name);
+        // Where nothing is declared, a name may be given to another value, but for one side alone.
+        if is_known && (self.dialect.has_choices || !sides.is_empty()) {
+            return Err(format!("`{name}` has a value already"));
+        }
+        self.names.insert(name.to_string(), value);
+        if let Some(side) = sides.last_mut() {
+            side.bound.push(name);
+        }
+        Ok(())
+    }
+
+    /// `name = value`
+    fn binding(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let name = self.name()?;
+        self.expect("=")?;
+        let value = self.expression()?;
+        self.bind(name, Value::Number(value), sides)?;
+        self.ended()
+    }
+
+    /// `name = value` of a constant, which hides no name that waits for a value.
+    fn constant_binding(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let name = self.peek().map_or("", |token| token.text);
+        if sides.iter().any(|side| side.declared.iter().flatten().any(|declared| *declared == name)) {
+            return Err(format!("`{name}` is declared twice"));
+        }
+        self.binding(sides)
+    }
+
+    /// `this.#name = value`, where nothing else has its name.
+    fn field(&mut self, path: &'t str) -> Reading<()> {
+        self.at += 1;
+        self.expect("=")?;
+        let (field, value) = (&path[self.dialect.own[0].len()..], self.expression()?);
+        let is_taken = field == "params" || field.starts_with("table_");
+        if is_taken || self.hoisted.insert(field, value).is_some() {
+            return Err(format!("`{field}` has a value already"));
+        }
+        self.given.push(field);
+        self.ended()
+    }
+
+    // ---- sines and cosines
+
+    fn sine_and_cosine(&mut self, angle: Number) -> [Value; 2] {
+        [Function::Sin, Function::Cos].map(|function| Value::Number(self.numbering.call(function, angle)))
+    }
+
+    /// `[sin, cos] = mbs_sin_cos(angle)`, in Python without brackets.
+    fn pair(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let has_brackets = self.takes("[");
+        let sin = self.name()?;
+        self.expect(",")?;
+        let cos = self.name()?;
+        if has_brackets {
+            self.expect("]")?;
+        }
+        self.expect("=")?;
+        let angle = self.angle()?;
+        self.expect(")")?;
+        let values = self.sine_and_cosine(angle);
+        for (name, value) in [sin, cos].into_iter().zip(values) {
+            self.bind(name, value, sides)?;
+        }
+        self.ended()
+    }
+
+    /// `mbs_sin_cos(angle`
+    fn angle(&mut self) -> Reading<Number> {
+        if !self.dialect.has_pairs() {
+            return self.unknown();
+        }
+        self.expect("mbs_sin_cos")?;
+        self.expect("(")?;
+        self.expression()
+    }
+
+    /// `const mbs_real name = value;`, or `const mbs_real angles[2] = {a, b};`
+    fn constant_of_c(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        self.expect("const")?;
+        self.expect("mbs_real")?;
+        if !self.tokens.get(self.at + 1).is_some_and(|token| token.is("[")) {
+            return self.constant_binding(sides);
+        }
+        let (name, count) = self.array()?;
+        self.expect("=")?;
+        self.expect("{")?;
+        let mut angles = vec![self.expression()?];
+        while self.takes(",") {
+            angles.push(self.expression()?);
+        }
+        self.expect("}")?;
+        if angles.len() != count {
+            return Err(format!("`{name}` has another number of entries"));
+        }
+        self.bind(name, Value::list(angles), sides)?;
+        self.ended()
+    }
+
+    /// `name[2]`
+    fn array(&mut self) -> Reading<(&'t str, usize)> {
+        let name = self.name()?;
+        self.expect("[")?;
+        let count = self.integer()?;
+        self.expect("]").map(|()| (name, count))
+    }
+
+    /// `mbs_real sines[2], cosines[2]; mbs_sin_cos_all(2, angles, sines, cosines);`
+    fn arrays(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let (sines, count) = self.array()?;
+        self.expect(",")?;
+        let (cosines, other) = self.array()?;
+        self.ended()?;
+        self.expect("mbs_sin_cos_all")?;
+        self.expect("(")?;
+        let called = self.integer()?;
+        self.expect(",")?;
+        let given = self.name()?;
+        let angles = match self.names.get(given) {
+            Some(Value::Array(lengths, angles))
+                if [count, other, called] == [angles.len(); 3] && lengths.len() == 1 =>
+            {
+                angles.clone()
+            }
+            _ => return self.unknown(),
+        };
+        [",", sines, ",", cosines, ")"].into_iter().try_for_each(|word| self.expect(word))?;
+        for (name, function) in [(sines, Function::Sin), (cosines, Function::Cos)] {
+            let values = angles.iter().map(|&angle| self.numbering.call(function, angle)).collect();
+            self.bind(name, Value::list(values), sides)?;
+        }
+        self.ended()
+    }
+
+    // ---- branches
+
+    /// `let a, b;`, and what gives them their values.
+    fn declared(&mut self, sides: &mut Vec<Side<'t>>) -> Reading<()> {
+        self.at += 1;
+        if self.tokens.get(self.at + 1).is_some_and(|token| token.is("[")) {
+            return self.arrays(sides);
+        }
+        let mut names = vec![self.name()?];
+        while self.takes(",") {
+            names.push(self.name()?);
+        }
+        self.ended()?;
+        if self.is_next("if") {
+            return self.begin(sides, Some(names));
+        }
+        let [sin, cos] = names[..] else { return self.unknown() };
+        let angle = self.angle()?;
+        [",", "&", sin, ",", "&", cos, ")"].into_iter().try_for_each(|word| self.expect(word))?;
+        for (name, value) in [sin, cos].into_iter().zip(self.sine_and_cosine(angle)) {
+            self.bind(name, value, sides)?;
+        }
+        self.ended()
+    }
+
+    /// `if (condition) {`
+    fn begin(&mut self, sides: &mut Vec<Side<'t>>, declared: Option<Vec<&'t str>>) -> Reading<()> {
+        self.expect("if")?;
+        let is_c_like = declared.is_some();
+        if is_c_like && !self.is_next("(") {
+            return self.unknown();
+        }
+        let condition = self.expression()?;
+        if is_c_like {
+            self.expect("{")?;
+        }
+        if let Some(known) = declared.iter().flatten().find(|name| self.names.contains_key(**name)) {
+            return Err(format!("`{known}` has a value already"));
+        }
+        sides.push(Side { condition, declared, bound: Vec::new(), then: None });
+        Ok(())
+    }
+
+    /// `name = value;` of a name that was declared before the branch.
+    fn assignment(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let is_declared = |side: &Side<'t>| {
+            let name = self.peek().map_or("", |token| token.text);
+            side.declared.as_ref().is_some_and(|names| names.contains(&name))
+        };
+        if sides.last().is_some_and(is_declared) { self.binding(sides) } else { self.unknown() }
+    }
+
+    /// `} else {` or `}`
+    fn end_of_side(&mut self, sides: &mut Vec<Side<'t>>) -> Reading<()> {
+        let Some(mut side) = sides.pop() else { return self.unknown() };
+        let mut given = Vec::new();
+        for name in side.bound.drain(..) {
+            if let Some(Value::Number(value)) = self.names.remove(name) {
+                given.push((name, value));
+            }
+        }
+        if let Some(names) = &side.declared {
+            self.expect("}")?;
+            given.retain(|(name, _)| names.contains(name));
+            if given.len() != names.len() {
+                return Err("a side of a branch does not give all values".to_string());
+            }
+        }
+        let Some(then) = side.then.take() else {
+            self.expect("else")?;
+            if side.declared.is_some() {
+                self.expect("{")?;
+            }
+            sides.push(Side { then: Some(given), ..side });
+            return Ok(());
+        };
+        if side.declared.is_none() {
+            self.expect("end")?;
+        }
+        for (name, then) in then {
+            if let Some((_, otherwise)) = given.iter().find(|(other, _)| *other == name) {
+                let value = self.numbering.select(side.condition, then, *otherwise);
+                self.bind(name, Value::Number(value), sides)?;
+            }
+        }
+        Ok(())
+    }
+}
