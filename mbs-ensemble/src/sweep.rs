@@ -201,6 +201,9 @@ impl Sweep<'_> {
     /// Members are missing, the table is there already, another process makes it, or a file cannot be read or written.
     pub fn merge(&self, mut each: impl FnMut(&[f64])) -> Result<Outcome, SweepError> {
         let folder = self.folder();
+        if !folder.exists() {
+            return Err(SweepError::Missing { first: 0, last: self.design.members().saturating_sub(1) });
+        }
         folder.open(&self.identity)?;
         let _merger = folder.merger()?;
         let unfinished = folder.unfinished();
@@ -354,6 +357,8 @@ mod tests {
         for ranks in [1, 3, 7] {
             let folder = tempfile::tempdir().unwrap();
             let sweep = sweep(&design, folder.path());
+            assert!(matches!(sweep.merge(|_| ()), Err(SweepError::Missing { first: 0, last: 599 })));
+            assert!(!sweep.parts().exists());
             for rank in (0..ranks).rev() {
                 assert!(!sweep.is_finished().unwrap());
                 assert!(rank + 1 == ranks || matches!(sweep.merge(|_| ()), Err(SweepError::Missing { first: 0, .. })));
