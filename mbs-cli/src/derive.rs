@@ -36,6 +36,9 @@ pub(crate) struct Arguments {
     /// Which sines and cosines the code computes.
     #[arg(long, value_enum, value_name = "WHOSE", default_value_t = Sines::Polynomials, conflicts_with = "review")]
     trigonometry: Sines,
+    /// Derive, prove and print these functions alone, with those that they call.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', conflicts_with = "review")]
+    only: Vec<String>,
     /// Write to a file instead of standard output.
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -129,6 +132,14 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             return Err(Failure::new(message));
         }
     };
+    if !arguments.only.is_empty() && !matches!(arguments.emit, Emit::Code(_)) {
+        let message = format!("`--emit {}` is of all functions: leave `--only` out", arguments.emit.name());
+        return Err(Failure::new(message));
+    }
+    let what = match arguments.only.as_slice() {
+        [] => what,
+        names => format!("{what} only {}", names.join(",")),
+    };
     let what = what.as_str();
     if let Some(out) = &arguments.out {
         [what, mechanism::MECHANISM].iter().for_each(|what| mechanism::note(what, &sources, cache, &mut files));
@@ -139,8 +150,15 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             mechanism::code(what, &sources, cache, |derivation| Ok(reviewed(derivation, &sources)))?
         }
         Emit::Code(language) => {
-            let options = Options::default().trigonometry(arguments.trigonometry.into());
-            mechanism::code(what, &sources, cache, |derivation| written(language, derivation, &sources, &options))?
+            let mut options = Options::default().trigonometry(arguments.trigonometry.into());
+            if !arguments.only.is_empty() {
+                options = options.functions(&arguments.only);
+            }
+            let write = |derivation: &Derivation| written(language, derivation, &sources, &options);
+            match options.functions {
+                None => mechanism::code(what, &sources, cache, write)?,
+                Some(_) => mechanism::chosen(what, &sources, cache, &options, write)?,
+            }
         }
         Emit::Latex => mechanism::latex(what, &sources, cache)?,
         Emit::Json => mechanism::code(what, &sources, cache, |derivation| Ok(json::programs(derivation)))?,

@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
+use mbs_derive::emit::Options;
 use mbs_derive::expr::Graph;
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
@@ -114,6 +115,21 @@ pub(crate) fn code(
     })
 }
 
+/// What is written of some functions of a mechanism, which alone are derived and proved.
+pub(crate) fn chosen(
+    what: &str,
+    sources: &Sources,
+    cache: &Cache,
+    options: &Options,
+    write: impl FnOnce(&Derivation) -> Result<String, Error>,
+) -> Result<String, Failure> {
+    kept(what, sources, cache, || {
+        let Mechanism { derivation, warnings, .. } = derived_with(sources, options, |_| ())?.mechanism;
+        let text = write(&derivation).map_err(|error| Failure::from(Messages::of_error(&error, sources)))?;
+        Ok(Code { text, warnings })
+    })
+}
+
 /// The equations as a page of a textbook, proved like the programs.
 pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<String, Failure> {
     kept(what, sources, cache, || {
@@ -152,11 +168,19 @@ pub(crate) fn proved_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T
 
 /// Derived and proved, with what `also` takes from the analysis, before warnings are reported.
 pub(crate) fn derived_and<T>(sources: &Sources, also: impl Fn(&Analysis<'_>) -> T) -> Result<Derived<T>, Failure> {
+    derived_with(sources, &Options::default(), also)
+}
+
+fn derived_with<T>(
+    sources: &Sources,
+    options: &Options,
+    also: impl Fn(&Analysis<'_>) -> T,
+) -> Result<Derived<T>, Failure> {
     let refused = |error: Error| Failure::from(Messages::of_error(&error, sources));
 
     let start = Instant::now();
     let graph = Graph::verbatim();
-    let analysis = Analysis::of(sources, &graph).map_err(refused)?;
+    let analysis = Analysis::with_options(sources, &graph, options).map_err(refused)?;
     let derive_seconds = start.elapsed().as_secs_f64();
 
     let proof = analysis.prove(analysis.programs()).map_err(refused)?;

@@ -63,6 +63,16 @@ impl<'g> Analysis<'g> {
         Ok(Self::new(mechanism.sources(), lagrangian, warnings, LeftOut::default()))
     }
 
+    /// The mechanism of a text with its parameters named in `options.freeze` constants, and of its functions those that
+    /// `options.functions` names; functions that cost little are there besides.
+    ///
+    /// # Errors
+    /// [`Error::Declaration`] if the text is not a mechanism; [`Error::UnknownFunction`] if the options ask for a
+    /// function that there is not.
+    pub fn with_options(sources: &Sources, graph: &'g Graph, options: &Options) -> Result<Self, Error> {
+        Self::asked_for(parse::declaration_of(sources)?, sources.clone(), graph, options)
+    }
+
     /// What is needed for the functions that the options ask for, of a mechanism and its texts.
     fn asked_for(
         declaration: Declaration,
@@ -71,7 +81,8 @@ impl<'g> Analysis<'g> {
         options: &Options,
     ) -> Result<Self, Error> {
         let (lagrangian, warnings) = resolved(declaration, graph, &options.freeze)?;
-        Ok(Self::new(sources, lagrangian, warnings, left_out(options.functions.as_deref())))
+        let analysis = Self::new(sources, lagrangian, warnings, left_out(options.functions.as_deref()));
+        analysis.knows_all(options).map(|()| analysis)
     }
 
     fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics, left_out: LeftOut) -> Self {
@@ -148,13 +159,7 @@ impl<'g> Analysis<'g> {
     /// [`Error::UnknownFunction`] if the options ask for a function that there is not.
     pub fn rust(&self, options: &Options) -> Result<Generated, Error> {
         let (derivation, warnings) = (&self.programs, self.warnings(Some(&self.prove(&self.programs)?)));
-        for name in options.functions.iter().flatten() {
-            if derivation.named(name).is_none() {
-                // All of them, also those that were left out.
-                let known = derived(&self.lagrangian).functions.into_iter().map(|f| f.name).collect();
-                return Err(Error::UnknownFunction { name: name.clone(), known });
-            }
-        }
+        self.knows_all(options)?;
         let code = emit::rust(derivation, self.sources.portable_name(), options);
         derivation.proofread(Language::Rust, options, &code)?;
         Ok(Generated {
@@ -168,6 +173,18 @@ impl<'g> Analysis<'g> {
             others: self.others(options)?,
             warnings: warnings.render_in(&self.sources),
         })
+    }
+
+    /// An error unless there are all functions that the options ask for.
+    fn knows_all(&self, options: &Options) -> Result<(), Error> {
+        match options.functions.iter().flatten().find(|name| self.programs.named(name).is_none()) {
+            None => Ok(()),
+            Some(name) => {
+                // All of them, also those that were left out.
+                let known = derived(&self.lagrangian).functions.into_iter().map(|f| f.name).collect();
+                Err(Error::UnknownFunction { name: name.clone(), known })
+            }
+        }
     }
 
     /// The files of other languages than Rust, in the order of the list.
@@ -258,8 +275,7 @@ pub fn generate(file_name: &str, source: &str, options: &Options) -> Result<Gene
 }
 
 pub(crate) fn generated(sources: &Sources, options: &Options) -> Result<Generated, Error> {
-    let declaration = parse::declaration_of(sources)?;
-    Analysis::asked_for(declaration, sources.clone(), &Graph::verbatim(), options)?.rust(options)
+    Analysis::with_options(sources, &Graph::verbatim(), options)?.rust(options)
 }
 
 /// `parse` and `model`: the text of a mechanism that imports nothing → its Lagrangian, and warnings. The parameters
@@ -339,9 +355,8 @@ mod tests {
         let sources = Sources::new("arm.mbs", text);
         let asked_for = |names: &[&str]| {
             let options = Options::default().functions(names.iter().copied());
-            let declaration = parse::declaration_of(&sources).expect("it is right");
             let graph = Graph::verbatim();
-            let analysis = Analysis::asked_for(declaration, sources.clone(), &graph, &options).expect("it is right");
+            let analysis = Analysis::with_options(&sources, &graph, &options).expect("it is right");
             analysis.prove(analysis.programs()).expect("it is right");
             analysis.into_programs()
         };

@@ -26,6 +26,25 @@ fn rust_names_its_source() {
     assert!(code.contains("struct Pendulum"), "{code}");
 }
 
+/// Kept apart from the code of all functions.
+#[test]
+fn functions_may_be_chosen() {
+    let workshop = Workshop::new();
+    for (emit, begins) in [("rust", "pub fn "), ("js", "  ")] {
+        let all = workshop.good(&["derive", "chain.mbs", "--emit", emit]);
+        let some = workshop.good(&["derive", "chain.mbs", "--emit", emit, "--only", "bias,forward_dynamics"]);
+        let has = |code: &str, name: &str| code.lines().any(|line| line.contains(&format!("{begins}{name}(")));
+        for (name, is_chosen) in [("bias", true), ("forward_dynamics", true), ("linearize", false), ("gravity", false)] {
+            assert!(has(&all, name) && has(&some, name) == is_chosen, "{emit}: {name}\n{some}");
+        }
+        assert!(some.len() < all.len());
+    }
+    let report = workshop.bad(&["derive", "chain.mbs", "--only", "bios"]);
+    assert!(report.contains("`bios`") && report.contains("bias"), "{report}");
+    let report = workshop.bad(&["derive", "chain.mbs", "--only", "bias", "--emit", "json"]);
+    assert_eq!(report, "error: `--emit json` is of all functions: leave `--only` out\n");
+}
+
 /// Kept apart from the code with the runtime's own.
 #[test]
 fn sines_may_be_those_of_the_library() {

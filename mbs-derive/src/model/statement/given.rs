@@ -20,7 +20,8 @@ impl Unit<'_> {
     /// ```
     ///
     /// # Errors
-    /// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension.
+    /// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension, or it is
+    /// too large in SI units.
     pub fn in_si(self, text: &str) -> Result<f64, String> {
         let (number, own) = split(text).ok_or("write a number and its unit, as in \"20 deg\"")?;
         let (wanted, found) = (of_unit(self.0)?, of_unit(own)?);
@@ -34,6 +35,9 @@ impl Unit<'_> {
         }
         let value = Number::parse_decimal(number.trim_start_matches(['+', '-'])).ok_or("the number is too long")?;
         let value = (value * found.scale).to_f64();
+        if !value.is_finite() {
+            return Err("it is too large in SI units".to_string());
+        }
         Ok(if number.starts_with('-') { -value } else { value })
     }
 
@@ -140,6 +144,7 @@ mod tests {
         }
         check("20 deg", "m", "its unit `deg` does not fit, m is wanted");
         check("20 m", "rad", "its unit `m` does not fit, an angle or a plain number is wanted");
+        check("1e308 kN", "N", "it is too large in SI units");
         check("20 m; 3", "m", "`m; 3` is not a unit");
         check("20 m = 3", "m", "`m = 3` is not a unit");
         assert!(Unit("m").in_si("2 furlong").unwrap_err().starts_with("`furlong` is not a unit; "));
