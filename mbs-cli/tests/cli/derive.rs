@@ -34,7 +34,8 @@ fn functions_may_be_chosen() {
         let all = workshop.good(&["derive", "chain.mbs", "--emit", emit]);
         let some = workshop.good(&["derive", "chain.mbs", "--emit", emit, "--only", "bias,forward_dynamics"]);
         let has = |code: &str, name: &str| code.lines().any(|line| line.contains(&format!("{begins}{name}(")));
-        for (name, is_chosen) in [("bias", true), ("forward_dynamics", true), ("linearize", false), ("gravity", false)] {
+        for (name, is_chosen) in [("bias", true), ("forward_dynamics", true), ("linearize", false), ("gravity", false)]
+        {
             assert!(has(&all, name) && has(&some, name) == is_chosen, "{emit}: {name}\n{some}");
         }
         assert!(some.len() < all.len());
