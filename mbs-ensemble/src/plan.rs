@@ -28,8 +28,8 @@
 //! highest = { max = "l*(1 - cos(theta))" }
 //! ```
 //!
-//! [`Plan::read`] finds what is wrong with the text alone; [`Plan::design`] asks a [`Vocabulary`](crate::Vocabulary) for
-//! names and units.
+//! [`Plan::read`] finds what is wrong with the text alone; [`Plan::design`] asks a
+//! [`Vocabulary`](crate::Vocabulary) for names and units.
 
 mod reading;
 

@@ -14,7 +14,7 @@ fn peak() -> u64 {
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
-/// Makes the table of so many members, and says how long the members took, and the table \[s\].
+/// Makes a table; how long its members took, and the table itself \[s\].
 fn run(members: u64) -> [f64; 2] {
     let text = format!("members = {members}\ndesign = \"latin-hypercube\"\n[vary]\nx = {{ normal = [0, 1] }}");
     let design = Plan::read(&text).unwrap().design(&Variables::new([("x", "1")])).unwrap();
