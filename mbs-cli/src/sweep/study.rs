@@ -16,12 +16,11 @@ use mbs_ensemble::journal::{Identity, digest};
 use mbs_ensemble::plan::{Amount, Direction, Located, Named, Reduction};
 use mbs_ensemble::table::Column;
 use mbs_ensemble::{Design, Fault, Faults, Member, Motion, Plan};
-use mbs_runtime::RedundantRows;
 
 use super::gathering::{Formula, Wanted, quantities};
 use super::names::{Names, Slot};
 use crate::cache::Cache;
-use crate::equations::Equations;
+use crate::equations::{Equations, Redundant};
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
@@ -344,15 +343,25 @@ impl Reading<'_> {
         if number > 0.0 { Ok(number) } else { Err(self.text.fault(Fault::new(amount.span.clone(), message))) }
     }
 
+    /// A word that is none of those that an option of `mbs simulate` takes.
+    fn unknown_word<E: ValueEnum>(&self, what: &str, word: &Located<String>) -> Failure {
+        let values = E::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        let known: Vec<String> = values.map(|value| value.get_name().to_string()).collect();
+        self.text.fault(Fault::unknown(word.span.clone(), what, &word.value, &known))
+    }
+
     fn settings(&self, derivation: &Derivation, duration: f64) -> Result<Settings, Failure> {
         let motion = self.missing(self.plan.motion.as_ref(), "the plan has no motion", "`[motion]`")?;
         let method = match &motion.method {
             None => Method::Dop853,
-            Some(name) => Method::from_str(&name.value, false).map_err(|_| {
-                let variants = Method::value_variants().iter().filter_map(ValueEnum::to_possible_value);
-                let known: Vec<String> = variants.map(|value| value.get_name().to_string()).collect();
-                self.text.fault(Fault::unknown(name.span.clone(), "method", &name.value, &known))
-            })?,
+            Some(name) => {
+                Method::from_str(&name.value, false).map_err(|_| self.unknown_word::<Method>("method", name))?
+            }
+        };
+        let redundant = match &motion.redundant {
+            None => Redundant::Refuse,
+            Some(name) => Redundant::from_str(&name.value, false)
+                .map_err(|_| self.unknown_word::<Redundant>("way with redundant constraints", name))?,
         };
         let step = motion.step.as_ref().map(|step| self.positive(step, "s")).transpose()?;
         let has_control = method.has_error_control();
@@ -376,7 +385,7 @@ impl Reading<'_> {
                 most_steps: MOST_STEPS,
             },
             drift: Drift::Projected,
-            redundant_rows: RedundantRows::Refuse,
+            redundant_rows: redundant.into(),
             held: vec![false; derivation.dof()],
         })
     }

@@ -17,7 +17,7 @@ mechanism Rod {
 ";
 
 /// Three equal parallel cranks carry a platform: one more than is needed.
-const PARALLEL: &str = "\
+pub(crate) const PARALLEL: &str = "\
 mechanism Parallel {
     param m: kg = 2;
     param l: m = 0.5;

@@ -433,6 +433,29 @@ fn motions_end_at_events() {
     }
 }
 
+/// Three parallel cranks, one more than is needed: refused, or borne by all.
+#[test]
+fn redundant_constraints_are_refused_or_left_out() {
+    let workshop = workshop();
+    workshop.write("parallel.mbs", crate::constrained::PARALLEL);
+    let plan = "mechanism = \"parallel.mbs\"\n[fixed]\na_0 = 1\na_1 = 1\na_2 = 1\nx = 0.7701511529340698\n\
+                z = 0.42073549240394825\n[vary]\nm = { values = [1, 2] }\n[motion]\nduration = 0.5\n\
+                redundant = \"WAY\"\n[quantities]\nenergy = \"energy\"\nopen = \"a[0] - a[2]\"\n";
+    workshop.write("plan.toml", plan.replace("WAY", "refuse"));
+    let Outcome { code, stderr, .. } = workshop.mbs(&["sweep", "plan.toml", "--out", "a.csv"]);
+    assert!(code == 0 && stderr.contains("warning: 2 members of 2 stopped; the first is 0: "), "{stderr}");
+    workshop.write("plan.toml", plan.replace("WAY", "least-norm"));
+    workshop.good(&["sweep", "plan.toml", "--out", "b.csv"]);
+    for row in rows(&workshop.read("b.csv")) {
+        let expected = number(&row, "m") * 9.81 * 0.420_735_492_403_948_25;
+        assert!((number(&row, "energy") - expected).abs() < 1e-8 && number(&row, "open").abs() < 1e-9, "{row:?}");
+    }
+    workshop.write("plan.toml", plan.replace("WAY", "least-nrm"));
+    let Outcome { code, stderr, .. } = workshop.mbs(&["sweep", "plan.toml", "--out", "c.csv"]);
+    assert!(code == 1 && stderr.contains("there is no way with redundant constraints `least-nrm`"), "{stderr}");
+    assert!(stderr.contains("did you mean `least-norm`?"), "{stderr}");
+}
+
 /// The plans of `examples/ensembles/` are good, and their members move; the repository has them, a package has not.
 #[test]
 fn plans_of_the_examples_run() {
