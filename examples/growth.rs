@@ -2,8 +2,8 @@
 //!
 //! Chains of 5, 10, 20 and 40 links about skew axes (`tests/mechanisms/n_chain.mbs`): how long it takes to derive and
 //! prove inverse and forward dynamics, how long the generated code is, and how long a call takes, beside the general
-//! algorithms of [`featherstone`] on nalgebra for as many hinges. Look at what a further link costs: the same whether it
-//! is the tenth or the fortieth.
+//! algorithms of [`featherstone`] on nalgebra for as many hinges. Look at what a further link costs: the same whether
+//! it is the tenth or the fortieth.
 
 #[path = "speed/featherstone.rs"]
 #[expect(dead_code, reason = "`speed` times more of its algorithms")]

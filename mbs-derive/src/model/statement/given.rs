@@ -20,8 +20,8 @@ impl Unit<'_> {
     /// ```
     ///
     /// # Errors
-    /// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension, or it is
-    /// too large in SI units.
+    /// As the end of a sentence: it is not a number with a unit, its unit is not known, or of another dimension, or it
+    /// is too large in SI units.
     pub fn in_si(self, text: &str) -> Result<f64, String> {
         let (number, own) = split(text).ok_or("write a number and its unit, as in \"20 deg\"")?;
         let (wanted, found) = (of_unit(self.0)?, of_unit(own)?);
