@@ -93,8 +93,8 @@ const KEY: [(&[&str], &str); 10] = [
         "`majxy`, `hajxy`, `jajxy`, `fajx`, `najx`: how all behind the joint resists, further joints free: M, H, J of `f = M a + H α + fa`, `n = Hᵀ a + J α + na`",
     ),
     (
-        &["fu", "nu", "fd", "nd", "e", "ed", "wda", "aa"],
-        "`fujx`, `nujx`: its resistance U to the joint, `fdjx`, `ndjx`: U/D, D that along the joint; `ej`, `edj`: what drives the joint, over D; `wdajx`, `aajx`: α, a, what q̈ adds",
+        &["fu", "nu", "fd", "nd", "tu", "td", "wda", "aa"],
+        "`fujx`, `nujx`: its resistance U to the joint, `fdjx`, `ndjx`: U/D, D that along the joint; `tuj`, `tdj`: what drives the joint, over D; `wdajx`, `aajx`: α, a, what q̈ adds",
     ),
     (
         &["mr", "hr", "sr"],

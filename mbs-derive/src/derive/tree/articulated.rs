@@ -38,16 +38,22 @@ pub(super) fn accelerations<'g>(
     let joints = linkage.joints();
     let mut bodies: Vec<Articulated<'g>> = inertias.iter().map(Articulated::of).collect();
     let mut freed: Vec<Option<Freed<'g>>> = vec![None; linkage.links.len()];
+    // What no joint is beyond is a rigid body, and is called as elsewhere.
+    let mut is_rigid = vec![true; linkage.links.len()];
     for (number, link) in linkage.links.iter().enumerate().rev() {
         let (Some(parent), Some(edge)) = (link.parent, link.edge) else { continue };
-        bodies[number].note(joints[number]);
+        if !is_rigid[number] {
+            bodies[number].note(joints[number]);
+        }
         if let Some(force) = forces[number] {
             let joint = Freed::of(&bodies[number], &wrenches[number], &edge, force);
-            joint.note(joints[number]);
+            joint.note(joints[number], is_rigid[number]);
             bodies[number] = bodies[number].beyond(&joint, &edge);
             wrenches[number] = joint.transmitted(wrenches[number], &edge, force);
             freed[number] = Some(joint);
+            is_rigid[number] = false;
         }
+        is_rigid[parent] &= is_rigid[number];
         bodies[parent] = bodies[parent].plus(&bodies[number].across(&edge));
         wrenches[parent] = wrenches[parent].plus(wrenches[number].across(&edge));
         notation::wrench("a", joints[parent], &wrenches[parent]);
@@ -237,15 +243,17 @@ impl<'g> Freed<'g> {
         self.own - (f.dot(motion.linear) + n.dot(motion.angular))
     }
 
-    fn note(&self, joint: usize) {
+    fn note(&self, joint: usize, is_rigid: bool) {
         let [f, n] = self.momentum;
-        notation::vector("fu", joint, f);
-        notation::vector("nu", joint, n);
+        if !is_rigid {
+            notation::vector("fu", joint, f);
+            notation::vector("nu", joint, n);
+        }
         let [f, n] = self.per_unit;
         notation::vector("fd", joint, f);
         notation::vector("nd", joint, n);
-        notation::scalar("e", joint, self.force);
-        notation::scalar("ed", joint, self.own);
+        notation::scalar("tu", joint, self.force);
+        notation::scalar("td", joint, self.own);
     }
 }
 
