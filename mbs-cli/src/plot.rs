@@ -108,9 +108,13 @@ impl Table {
             }
         }
         let rows = columns.first().map_or(0, |column| column.values.len());
-        // The index says nothing of a member, and why it stopped is no number.
+        // The index says nothing about a member, and the reason why it stopped is a text.
         columns.retain(|column| column.name != "member" && column.finite().next().is_some());
-        if columns.is_empty() { Err(refused("there are no numbers".to_string())) } else { Ok(Table { rows, columns }) }
+        if columns.is_empty() {
+            Err(refused("it has no column of numbers".to_string()))
+        } else {
+            Ok(Table { rows, columns })
+        }
     }
 
     fn column(&self, name: &str) -> Result<&Column, Failure> {

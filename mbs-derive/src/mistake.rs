@@ -60,7 +60,7 @@ mod tests {
     /// Mechanisms in which the rules are needed.
     fn mechanisms() -> Vec<Sources> {
         let inline = [
-            // Accelerations of so many joints are those of articulated bodies.
+            // With nine joints, accelerations are derived by articulated bodies.
             "mechanism Rope {
                 param m: 1 = 2; coord q[9]: 1;
                 let mut link = world;

@@ -101,8 +101,8 @@ impl Plan {
     /// The members of a plan, whose variables are those of a vocabulary.
     ///
     /// # Errors
-    /// Names that are not known or given twice, units that do not fit, distributions that are none, correlations that
-    /// contradict each other, more members than can be counted.
+    /// Names that are not known or given twice, units that do not fit, values that are not a distribution, correlations
+    /// that contradict each other, more members than can be counted.
     pub fn design(&self, vocabulary: &dyn Vocabulary) -> Result<Design, Faults> {
         let mut resolver = Resolver { vocabulary, faults: Vec::new() };
         let variables: Vec<Option<Variable>> = self.vary.iter().map(|entry| resolver.variable(entry)).collect();

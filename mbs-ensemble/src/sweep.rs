@@ -252,7 +252,7 @@ struct Worker<'a> {
 }
 
 impl Worker<'_> {
-    /// Takes members and does them, until there are none or another thread has failed.
+    /// Takes members and does them, until none is left or another thread has failed.
     fn work(&self) -> Result<(), SweepError> {
         /// How long a thread keeps what it has done to itself.
         const PATIENCE: Duration = Duration::from_millis(200);

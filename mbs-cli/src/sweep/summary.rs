@@ -148,7 +148,7 @@ fn labelled(column: &Column) -> String {
     }
 }
 
-/// A value with its bounds, `1.25 (1.2 to 1.3)`; without, where there are none.
+/// A value with its bounds, `1.25 (1.2 to 1.3)`, or the value alone where it has no bounds.
 fn bounded(value: f64, interval: Option<[f64; 2]>) -> String {
     match interval.filter(|interval| interval.iter().all(|bound| bound.is_finite())) {
         Some([low, high]) => format!("{} ({} to {})", short(value), short(low), short(high)),

@@ -80,8 +80,10 @@ fn vanishing_sums(graph: &Graph, order: &[Id]) -> Vec<Id> {
     left.into_iter().filter_map(|(id, points)| (points == 0).then_some(id)).collect()
 }
 
-/// Of each node whether it is a sum that cancels to six digits in doubles at a point, or has no finite value there:
-/// another one does not vanish.
+/// Of each node whether it is a sum that cancels to six digits in doubles at a point, or has no finite value there.
+///
+/// Another one is taken not to vanish: should rounding hide that it does, it stays in the code, where it costs
+/// operations and changes no value.
 fn cancelling(graph: &Graph, order: &[Id]) -> Table<bool> {
     let (mut values, mut cancels) = (Table::new(order, 0.0), Table::new(order, false));
     for &id in order {

@@ -136,7 +136,7 @@ impl Comparison<'_, '_> {
                 ("shared", _) => self.shared()?,
                 ("imports", _) => self.imports()?,
                 (number, _) => {
-                    let expected = self.sheet.numbers[number.parse::<usize>().map_err(|_| "a slot has no number")?];
+                    let expected = self.sheet.numbers[number.parse::<usize>().map_err(|_| "a slot is not numbered")?];
                     let found = self.reader.expression()?;
                     if found != expected {
                         let differ = self.reader.numbering.difference(found, expected);
