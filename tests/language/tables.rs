@@ -47,9 +47,9 @@ fn values(derivation: &Derivation, y: [f64; 5], s: f64) -> [f64; 3] {
     let found = of_output.map(|kind| call(kind(0))[0]);
     assert_eq!(call(FunctionKind::PotentialEnergy), [found[0]], "{s}");
     assert_eq!(call(FunctionKind::Gravity), [found[1]], "{s}");
-    // Both are sums `c₁ + 2 c₂ s + 3 c₃ s²` and `2 c₂ + 6 c₃ s`, in an order of their own, which have the rounding errors
-    // of their terms: `c₂ = (3 δ − 2 a − b)/h` alone is up to 24 times the samples where secants δ and slopes a, b are at
-    // most twice and six times as large as these. Less than half of that is allowed for.
+    // Both are sums `c₁ + 2 c₂ s + 3 c₃ s²` and `2 c₂ + 6 c₃ s`, in an order of their own, with the rounding errors of
+    // their terms: `c₂ = (3 δ − 2 a − b)/h` alone is up to 24 times the samples where secants δ and slopes a, b are
+    // at most twice and six times as large as these. Less than half of that is allowed for.
     let size = 10.0 * y.iter().fold(0.0_f64, |size, y| size.max(y.abs()));
     assert_close("q̈", &[-2.0 * call(FunctionKind::ForwardDynamics)[0], size], &[found[1], size], 1e-15);
     assert_close("∂q̈/∂s", &[-2.0 * call(FunctionKind::Linearize)[0], size], &[found[2], size], 1e-15);
