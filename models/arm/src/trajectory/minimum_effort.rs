@@ -163,7 +163,7 @@ pub fn minimum_effort<const N: usize, const U: usize>(
         Ok((iterate, residual, iterations)) => Ok(MinimumEffort::new(&problem, iterate, residual, iterations)),
         Err((Residual { stationarity, defect, .. }, iterations)) => {
             let residual = if stationarity > defect { stationarity } else { defect };
-            Err(Failure::NotConverged { what: SEARCH, iterations, residual }.into())
+            Err(Failure::NotConverged { what: SEARCH, iterations, residual, unit: "in scaled variables" }.into())
         }
     }
 }
