@@ -34,6 +34,7 @@
 //! 2017.
 
 mod banded;
+pub mod front;
 mod interior_point;
 mod transcription;
 
