@@ -181,7 +181,7 @@ impl<'g> Analysis<'g> {
             None => Ok(()),
             Some(name) => {
                 // All of them, also those that were left out.
-                let known = derived(&self.lagrangian).functions.into_iter().map(|f| f.name).collect();
+                let known = derived(&self.lagrangian).functions.iter().map(|f| f.name.clone()).collect();
                 Err(Error::UnknownFunction { name: name.clone(), known })
             }
         }

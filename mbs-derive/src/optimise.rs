@@ -14,6 +14,8 @@ pub(crate) mod program;
 pub(crate) mod region;
 pub(crate) mod schedule;
 
+use std::ops::Deref;
+
 use crate::catalogue::{self, Roots};
 use crate::derive;
 use crate::equations::{Equations, Route};
@@ -43,9 +45,25 @@ use schedule::{Forms, Hoisting};
 /// let names: Vec<&str> = analysis.programs().functions.iter().map(|f| f.name.as_str()).collect();
 /// assert!(names.contains(&"forward_dynamics"));
 /// ```
+///
+/// Everybody reads it; a program is written by this pass only, or [altered](Derivation::altered) to see that a proof
+/// notices.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Derivation {
+pub struct Derivation(Derived);
+
+impl Deref for Derivation {
+    type Target = Derived;
+
+    fn deref(&self) -> &Derived {
+        &self.0
+    }
+}
+
+/// The parts of a [`Derivation`].
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Derived {
     /// In upper camel case, as declared.
     pub name: String,
     /// Doc comments.
@@ -119,7 +137,7 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
     let graph = Graph::new();
     let (requirements, required) = requirements(lagrangian, &graph);
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
-    Derivation {
+    Derivation(Derived {
         name: lagrangian.name.clone(),
         docs: lagrangian.docs.clone(),
         coordinates: lagrangian.coordinates.clone(),
@@ -138,7 +156,7 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
         requirements,
         required: lower::program(&required, &Hoisting::none()),
         functions,
-    }
+    })
 }
 
 /// The programs of the values of the outputs, and of nothing else: no function of the mechanism is there.
@@ -164,7 +182,7 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
         })
         .collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
-    Derivation {
+    Derivation(Derived {
         name: lagrangian.name.clone(),
         docs: Vec::new(),
         coordinates: lagrangian.coordinates.clone(),
@@ -183,7 +201,7 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
         requirements: Vec::new(),
         required: Program::default(),
         functions,
-    }
+    })
 }
 
 /// The functions by each route, without sums that vanish: of all of them at once, since they have most nodes in common.
@@ -214,6 +232,11 @@ fn count_constrained_motion(functions: &mut [Function]) {
 }
 
 impl Derivation {
+    /// To be changed: what was proved of it holds no longer.
+    pub fn altered(&mut self) -> &mut Derived {
+        &mut self.0
+    }
+
     /// Number of coordinates.
     pub fn dof(&self) -> usize {
         self.coordinates.iter().map(Variable::count).sum()

@@ -251,8 +251,8 @@ fn the_manual_says_what_each_function_is() {
     let (_, section) = manual.split_once("| function | |\n").expect("the table is there");
     let rows = section.lines().take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
     let said: BTreeSet<&str> = rows.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
-    let functions = derived(&lagrangian).functions;
-    assert_eq!(said, functions.iter().map(|function| function.name.as_str()).collect());
+    let derivation = derived(&lagrangian);
+    assert_eq!(said, derivation.functions.iter().map(|function| function.name.as_str()).collect());
 }
 
 /// Sources that are written by hand, below the folders of the workspace's members.

@@ -21,8 +21,6 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let functions = selected(derivation, options.functions.as_deref());
     let emitter = Emitter { derivation, names: &names, functions };
     let module = module_name(derivation);
-    let docs = doc::attributes(&doc::module(derivation, &module, &names.mechanism));
-    let module = ident(&module);
     let parameters = parameter::items(derivation, &names, options.serde);
     let tables = emitter.tables();
     let mechanism = emitter.mechanism();
@@ -30,6 +28,9 @@ pub(super) fn module(derivation: &Derivation, options: &Options) -> TokenStream 
     let implementation = emitter.implementations();
     let constraints = emitter.constraints();
     let constants = emitter.constants();
+    let code = format!("{mechanism} {methods}");
+    let docs = doc::attributes(&doc::module(derivation, &module, &names.mechanism, &code));
+    let module = ident(&module);
     quote! {
         #docs
         #[allow(

@@ -6,9 +6,7 @@
 //!
 //! `--out DIR` writes the paths as SVG and PNG, and as CSV.
 
-#[path = "two_body/earth_moon.rs"]
 mod earth_moon;
-#[path = "two_body/ellipse.rs"]
 mod ellipse;
 
 use mbs_chart::{Figure, Panel, Plane, PlaneLine};
@@ -20,7 +18,7 @@ use serde_json::json;
 const ASSUMED: [&str; 1] = ["two_body.start"];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("two_body.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let ellipse = ellipse::run()?;
     let earth_moon = earth_moon::run()?;
     if let Some(folder) = &arguments.out {

@@ -7,13 +7,9 @@
 //! `--case II` takes the faster platform, `--scale S` another scale, feasible or not, `--attitude level` lets the tool
 //! point straight down instead of taking on the vehicle's attitude. `--out DIR` writes figures as SVG and PNG, and CSV.
 
-#[path = "experiment/assumed.rs"]
 mod assumed;
-#[path = "experiment/figures.rs"]
 mod figures;
-#[path = "experiment/run.rs"]
 mod run;
-#[path = "experiment/summary.rs"]
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments};
@@ -51,7 +47,7 @@ enum Shown {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("experiment.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let Options { case, scale, attitude } = arguments.options;
     let case = match case {
         Landing::I => Case { name: "I", heave: Heave::CASE_I },

@@ -8,15 +8,10 @@
 //!
 //! `--out DIR` writes paths and differences as SVG and PNG, and as CSV.
 
-#[path = "nonholonomic/coin.rs"]
 mod coin;
-#[path = "nonholonomic/edge.rs"]
 mod edge;
-#[path = "nonholonomic/figures.rs"]
 mod figures;
-#[path = "nonholonomic/flown.rs"]
 mod flown;
-#[path = "nonholonomic/sleigh.rs"]
 mod sleigh;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
@@ -31,7 +26,7 @@ mbs_runtime::include_mechanism!("rolling_coin");
 const ASSUMED: [&str; 2] = ["gravity", "nonholonomic."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("nonholonomic.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let (edge, sleigh, coin) = (edge::run()?, sleigh::run()?, coin::run()?);
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;

@@ -9,15 +9,11 @@
 //! `--height`, `--period` and `--wind` make another weather, `--seed` another sea of the same kind. `--out DIR` writes
 //! the spectrum, the response to regular waves and the motion as SVG and PNG, and the motion as CSV.
 
-#[path = "marine/figures.rs"]
 mod figures;
-#[path = "marine/run.rs"]
 mod run;
-#[path = "marine/summary.rs"]
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
 
 use run::{Study, Weather};
 
@@ -25,7 +21,7 @@ use run::{Study, Weather};
 const ASSUMED: [&str; 2] = ["gravity", "marine."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Weather>::with_options(include_str!("marine.rs"));
+    let arguments = Arguments::<Weather>::with_options(include_str!("main.rs"));
     let study = Study::of(&arguments.options)?;
     let told = if arguments.options.is_assumed() { "" } else { "marine.weather" };
     let keys = |keys: &[&str]| assumed::without(keys, told);
@@ -35,10 +31,6 @@ fn main() -> Result<(), Failure> {
         figures::write_tables(folder, &study)?;
     }
     let keys = keys(&[&ASSUMED, assumed::LANDING].concat());
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&study)?, &keys));
-    } else {
-        print!("{}{}", summary::text(&study)?, assumed::text(&keys));
-    }
+    arguments.answer(summary::to_json(&study)?, &summary::text(&study)?, &keys);
     Ok(())
 }

@@ -9,25 +9,21 @@
 //! RAPID modules for the robot's controller or its simulator: `case1.mod` and `case2.mod` as printed, which leave the
 //! ranges of axes 2 and 3, and `case1_in_range.mod` and `case2_in_range.mod`, a variant that keeps them.
 
-#[path = "arm_trajectory/rapid.rs"]
 mod rapid;
-#[path = "arm_trajectory/summary.rs"]
 mod summary;
-#[path = "arm_trajectory/tables.rs"]
 mod tables;
 
 use mbs_arm::Arm;
 use mbs_examples::arm_trajectory::cases::{self, Case, Run};
 use mbs_examples::arm_trajectory::figures;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::{Value, json};
 
 /// What torques, work and limits rest on.
 const ASSUMED: [&str; 2] = ["gravity", "arm."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("arm_trajectory.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let arm = Arm::default();
     let cases = cases::both(&arm)?;
     if let Some(folder) = &arguments.out {
@@ -40,12 +36,11 @@ fn main() -> Result<(), Failure> {
             }
         }
     }
-    if arguments.json {
-        let all = cases.iter().map(|case| (case.name.to_string(), to_json(case))).collect::<Value>();
-        println!("{}", assumed::with(all, &ASSUMED));
-    } else {
-        print!("{}{}", summary::of(&arm, &cases)?, assumed::text(&ASSUMED));
-    }
+    arguments.answer(
+        cases.iter().map(|case| (case.name.to_string(), to_json(case))).collect::<Value>(),
+        &summary::of(&arm, &cases)?,
+        &ASSUMED,
+    );
     Ok(())
 }
 

@@ -8,17 +8,13 @@
 //!
 //! `--out DIR` writes both motions, and the front, as figures (SVG and PNG) and as tables (CSV).
 
-#[path = "minimum_effort/figures.rs"]
 mod figures;
-#[path = "minimum_effort/front.rs"]
 mod front;
-#[path = "minimum_effort/motion.rs"]
 mod motion;
 
-use mbs_examples::{print, println};
 use std::fmt::Write;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::{Value, json};
 
 use front::Front;
@@ -38,7 +34,7 @@ const ASSUMED: [&str; 9] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("minimum_effort.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let comparison = Comparison::new()?;
     let front = Front::new()?;
     if let Some(folder) = &arguments.out {
@@ -46,11 +42,10 @@ fn main() -> Result<(), Failure> {
         figures::write(folder, &comparison, &front)?;
         figures::write_tables(folder, &comparison, &front)?;
     }
-    if arguments.json {
-        let all = json!({ "within_ranges": comparison.to_json(), "front": front.to_json() });
-        println!("{}", assumed::with(all, &ASSUMED));
-    } else {
-        print!("{}{}{}", comparison.text()?, front.text()?, assumed::text(&ASSUMED));
-    }
+    arguments.answer(
+        json!({ "within_ranges": comparison.to_json(), "front": front.to_json() }),
+        &(comparison.text()? + &front.text()?),
+        &ASSUMED,
+    );
     Ok(())
 }

@@ -5,19 +5,12 @@
 //! and actuators are where the generated kinematics says. Captions tell what each of them rests on that the thesis does
 //! not give. Open `index.html` in the folder.
 
-#[path = "gallery/chapters.rs"]
 mod chapters;
-#[path = "gallery/data.rs"]
 mod data;
-#[path = "gallery/index.rs"]
 mod index;
-#[path = "gallery/scheme_arm.rs"]
 mod scheme_arm;
-#[path = "gallery/scheme_frames.rs"]
 mod scheme_frames;
-#[path = "gallery/scheme_platform.rs"]
 mod scheme_platform;
-#[path = "gallery/solid.rs"]
 mod solid;
 
 use mbs_examples::println;

@@ -10,18 +10,13 @@
 //! many landings there are, `--threads N` by how many threads. `--out DIR` writes figures as SVG and PNG, and the
 //! errors of one landing of each case as CSV.
 
-#[path = "estimator/consistency.rs"]
 mod consistency;
-#[path = "estimator/figures.rs"]
 mod figures;
-#[path = "estimator/monte_carlo.rs"]
 mod monte_carlo;
-#[path = "estimator/summary.rs"]
 mod summary;
 
 use mbs_examples::quadrotor_landing::flight::CASES;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
 
 use monte_carlo::Run;
 
@@ -50,7 +45,7 @@ fn assumed_keys() -> Vec<&'static str> {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("estimator.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let Options { members, threads } = arguments.options;
     if let Some(threads) = threads {
         rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?;
@@ -66,10 +61,6 @@ fn main() -> Result<(), Failure> {
         }
     }
     let rows = assumed_keys();
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&cases), &rows));
-    } else {
-        print!("{}{}", summary::text(&cases).trim_end_matches('\n'), assumed::text(&rows));
-    }
+    arguments.answer(summary::to_json(&cases), summary::text(&cases).trim_end_matches('\n'), &rows);
     Ok(())
 }

@@ -11,37 +11,26 @@
 //!
 //! `--out DIR` writes figures as SVG and PNG, and the curves as CSV.
 
-#[path = "adaptive/arm.rs"]
 mod arm;
-#[path = "adaptive/figures.rs"]
 mod figures;
-#[path = "adaptive/motion.rs"]
 mod motion;
-#[path = "adaptive/quadrotor.rs"]
 mod quadrotor;
-#[path = "adaptive/run.rs"]
 mod run;
-#[path = "adaptive/summary.rs"]
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
 
 /// What the numbers rest on, beside what every landing does.
 const ASSUMED: [&str; 5] = ["arm.masses", "arm.mass_centres", "arm.inertias", "arm.torques", "adaptive."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("adaptive.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let (arm, quadrotor) = (arm::study()?, quadrotor::study()?);
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
         figures::write(folder, &arm, &quadrotor)?;
     }
     let keys = [assumed::LANDING, &ASSUMED].concat();
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&arm, &quadrotor), &keys));
-    } else {
-        print!("{}{}", summary::text(&arm, &quadrotor), assumed::text(&keys));
-    }
+    arguments.answer(summary::to_json(&arm, &quadrotor), &summary::text(&arm, &quadrotor), &keys);
     Ok(())
 }

@@ -7,7 +7,6 @@
 //!
 //! `--out DIR` writes the orbits as SVG and PNG, and as CSV.
 
-#[path = "three_body/orbits.rs"]
 mod orbits;
 
 use mbs_examples::{print, println};
@@ -27,7 +26,7 @@ const PAIRS: [(&str, f64); 2] = [("earth_moon", 0.012_150_585_6), ("arenstorf", 
 const ASSUMED: [&str; 1] = ["three_body.asteroids"];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("three_body.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let closed = arenstorf()?;
     let asteroids = asteroids()?;
     if let Some(folder) = &arguments.out {

@@ -9,9 +9,7 @@
 //! `--axis v-bar` approaches from behind, `--axis r-bar` from below. `--out DIR` writes figures as SVG and PNG, and the
 //! way and the burns as CSV.
 
-#[path = "docking/figures.rs"]
 mod figures;
-#[path = "docking/flight.rs"]
 mod flight;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
@@ -40,7 +38,7 @@ enum Side {
 const ASSUMED: [&str; 3] = ["orbit.altitude", "orbit.station_mass", "docking."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("docking.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let axis = match arguments.options.axis {
         Side::VBar => Axis::VBar,
         Side::RBar => Axis::RBar,

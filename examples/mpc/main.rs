@@ -13,16 +13,12 @@
 //! `--case I` flies one of them. `--horizon` and `--intervals` change that of predictive control. `--out DIR` writes
 //! figures as SVG and PNG, and curves as CSV.
 
-#[path = "mpc/figures.rs"]
 mod figures;
-#[path = "mpc/flights.rs"]
 mod flights;
-#[path = "mpc/summary.rs"]
 mod summary;
 
 use mbs_examples::quadrotor_landing::flight::CASES;
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
 use mbs_landing::quadrotor::predictive::controller::Horizon;
 
 use flights::{Case, looser};
@@ -49,7 +45,7 @@ fn assumed_keys() -> Vec<&'static str> {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("mpc.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let Options { horizon: duration, intervals, case } = &arguments.options;
     let horizon = Horizon { duration: *duration, intervals: *intervals as usize, ..Horizon::default() };
     horizon.check()?;
@@ -68,10 +64,6 @@ fn main() -> Result<(), Failure> {
             figures::write(folder, case)?;
         }
     }
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&cases, &saved, &horizon), &keys));
-    } else {
-        print!("{}{}", summary::text(&cases, &saved, &horizon), assumed::text(&keys));
-    }
+    arguments.answer(summary::to_json(&cases, &saved, &horizon), &summary::text(&cases, &saved, &horizon), &keys);
     Ok(())
 }

@@ -11,13 +11,10 @@
 //!
 //! `--cells N` says how many there are along each axis, `--out DIR` writes the maps as SVG, PNG and CSV.
 
-#[path = "landing_maps/figures.rs"]
 mod figures;
-#[path = "landing_maps/map.rs"]
 mod map;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::{Map as Object, Value, json};
 
 use map::{Grid, LIMIT, Law, Map, Outcome, PHASES};
@@ -44,18 +41,14 @@ const ASSUMED: [&str; 10] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("landing_maps.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let grid = Grid::new(arguments.options.cells as usize);
     let maps = Law::ALL.into_iter().map(|law| Map::flown(law, &grid)).collect::<Result<Vec<_>, _>>()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
         maps.iter().try_for_each(|map| figures::write(folder, &grid, map))?;
     }
-    if arguments.json {
-        println!("{}", assumed::with(to_json(&grid, &maps), &ASSUMED));
-    } else {
-        print!("{}{}", text(&grid, &maps), assumed::text(&ASSUMED));
-    }
+    arguments.answer(to_json(&grid, &maps), &text(&grid, &maps), &ASSUMED);
     Ok(())
 }
 

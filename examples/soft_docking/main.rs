@@ -8,11 +8,8 @@
 //!
 //! `--out DIR` writes figures as SVG and PNG, and the way and the burns as CSV.
 
-#[path = "soft_docking/cases.rs"]
 mod cases;
-#[path = "soft_docking/figures.rs"]
 mod figures;
-#[path = "soft_docking/report.rs"]
 mod report;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
@@ -22,7 +19,7 @@ use mbs_examples::{print, println};
 const ASSUMED: [&str; 2] = ["orbit.altitude", "soft_docking."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("soft_docking.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let flights = cases::flights()?;
     let contacts = cases::contacts()?;
     let burns = cases::burns()?;

@@ -9,15 +9,10 @@
 //! `sensitivity_case_8.csv`). `--sensitivity force_1:base_radius` gives the derivative of one output by one parameter
 //! over time, in all cases; a wrong name is answered by the list of names.
 
-#[path = "platform_dynamics/along.rs"]
 mod along;
-#[path = "platform_dynamics/control.rs"]
 mod control;
-#[path = "platform_dynamics/histories.rs"]
 mod histories;
-#[path = "platform_dynamics/sensitivity.rs"]
 mod sensitivity;
-#[path = "platform_dynamics/summary.rs"]
 mod summary;
 
 use along::{Course, Pair, Table};
@@ -65,7 +60,7 @@ struct Options {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("platform_dynamics.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let platform = Platform::default();
     let results = Results {
         studies: summary::studies(&platform)?,

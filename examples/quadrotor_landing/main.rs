@@ -18,16 +18,13 @@
 //! `--out DIR` writes figures 5.2 to 5.9, the unguided descents beside the guided ones and those of the other decks as
 //! SVG and PNG, and every curve as CSV.
 
-#[path = "quadrotor_landing/figures.rs"]
 mod figures;
-#[path = "quadrotor_landing/summary.rs"]
 mod summary;
 
 use mbs_examples::quadrotor_landing::flight::{self, CASES, Flight, Kind, MARINE};
 use mbs_examples::quadrotor_landing::gusts::{self, InGusts};
 use mbs_examples::quadrotor_landing::platform::{self, OnPlatform};
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_platform::limits::LegState;
 use mbs_platform::{HOME, Superposition};
 
@@ -94,7 +91,7 @@ const ASSUMED: [&str; 17] = [
 ];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("quadrotor_landing.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let landings = Landings::simulated()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
@@ -119,10 +116,6 @@ fn main() -> Result<(), Failure> {
             output::write_figure(folder, &name, &figure, &ASSUMED)?;
         }
     }
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&landings)?, &ASSUMED));
-    } else {
-        print!("{}{}", summary::text(&landings)?, assumed::text(&ASSUMED));
-    }
+    arguments.answer(summary::to_json(&landings)?, &summary::text(&landings)?, &ASSUMED);
     Ok(())
 }

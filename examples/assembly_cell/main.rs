@@ -10,32 +10,23 @@
 //!
 //! `--out DIR` writes figures (SVG and PNG) and curves (CSV).
 
-#[path = "assembly_cell/cases.rs"]
 mod cases;
-#[path = "assembly_cell/cycle.rs"]
 mod cycle;
-#[path = "assembly_cell/figures.rs"]
 mod figures;
-#[path = "assembly_cell/summary.rs"]
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments, output};
 
 /// What forces and times rest on.
 const ASSUMED: [&str; 2] = ["gravity", "assembly."];
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("assembly_cell.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let runs = cases::all()?;
     if let Some(folder) = &arguments.out {
         output::create_folder(folder)?;
         figures::write(folder, &runs)?;
     }
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&runs), &ASSUMED));
-    } else {
-        print!("{}{}", summary::text(&runs), assumed::text(&ASSUMED));
-    }
+    arguments.answer(summary::to_json(&runs), &summary::text(&runs), &ASSUMED);
     Ok(())
 }

@@ -8,15 +8,11 @@
 //!
 //! `--out DIR` writes figures as SVG and PNG, and the forces as CSV.
 
-#[path = "touchdown/figures.rs"]
 mod figures;
-#[path = "touchdown/run.rs"]
 mod run;
-#[path = "touchdown/summary.rs"]
 mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
 use run::{OnDeck, OnPlatform};
 
 /// All that come down.
@@ -52,7 +48,7 @@ fn assumed_keys() -> Vec<&'static str> {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("touchdown.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let touchdowns =
         Touchdowns { by_hand: run::by_hand()?, planned: run::on_planned_decks()?, carried: run::on_the_platform()? };
     if let Some(folder) = &arguments.out {
@@ -65,10 +61,6 @@ fn main() -> Result<(), Failure> {
         }
     }
     let keys = assumed_keys();
-    if arguments.json {
-        println!("{}", assumed::with(summary::to_json(&touchdowns), &keys));
-    } else {
-        print!("{}{}", summary::text(&touchdowns), assumed::text(&keys));
-    }
+    arguments.answer(summary::to_json(&touchdowns), &summary::text(&touchdowns), &keys);
     Ok(())
 }
