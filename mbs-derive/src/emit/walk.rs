@@ -1,11 +1,13 @@
 //! One walk over a [`Derivation`] for all languages: what stands in each function, in which order, with which names and
 //! documentation. A language says how that is written: [`Syntax`].
 //!
-//! - `expression`: values, by operators and functions.
+//! - `expression`: values, by operators and functions;
+//! - `layout`: lines and comments that languages have in common.
 //!
 //! What is computed on demand in Rust is computed at once in the others: it has no effect but time.
 
 mod expression;
+mod layout;
 
 use crate::expr::{Symbol, Trigonometry};
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program};
@@ -16,6 +18,7 @@ use super::body::{Angle, Block, Body, Component, Statement};
 use super::expression::Tree;
 use super::name::{Names, Scope, snake_case};
 use super::{Options, doc, shape};
+pub(super) use layout::{block_comment, defaults, if_else, indented};
 
 /// How a language is written.
 pub(super) trait Syntax {
@@ -145,8 +148,7 @@ impl Routine {
 
     /// How many columns each part has.
     pub(super) fn widths(&self) -> Vec<usize> {
-        let width = |(_, shape): &(String, Shape)| if let Shape::Matrix(_, columns) = shape { *columns } else { 1 };
-        self.parts.iter().map(width).collect()
+        self.parts.iter().map(|(_, shape)| columns(*shape)).collect()
     }
 
     /// The right sides of all parts side by side: this many rows.
@@ -158,6 +160,10 @@ impl Routine {
         };
         (0..rows).map(row).collect()
     }
+}
+
+fn columns(shape: Shape) -> usize {
+    if let Shape::Matrix(_, columns) = shape { columns } else { 1 }
 }
 
 /// What a program is evaluated at.
@@ -292,16 +298,9 @@ impl<'d> Walk<'d> {
     }
 
     fn routine(&self, number: usize, function: &Function, syntax: &dyn Syntax, is_motion: bool) -> Routine {
-        let (motion, ending) = match (&function.kind, function.completion) {
-            _ if is_motion => (Motion::Given, Ending::Motion),
-            (_, Completion::None) => (Motion::Given, Ending::Values),
-            (_, Completion::Solve) if calls_forward_dynamics(function) => (Motion::Accelerations, Ending::Solve),
-            (_, Completion::Solve) => (Motion::Given, Ending::Solve),
-            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
-                (Motion::Constrained, Ending::OfMotion("qdd"))
-            }
-            (_, Completion::SolveMultipliers) => (Motion::Constrained, Ending::OfMotion("multipliers")),
-            (kind, Completion::SolveConstrained) => (Motion::Constrained, Ending::Slopes(self.measures(*kind, syntax))),
+        let (motion, ending) = match is_motion {
+            true => (Motion::Given, Ending::Motion),
+            false => self.steps(function, syntax),
         };
         let (lines, values) = match ending {
             Ending::OfMotion(_) => (Vec::new(), Vec::new()),
@@ -311,43 +310,55 @@ impl<'d> Walk<'d> {
             }
         };
         let [n, .., k] = self.sizes();
-        let parts = match is_motion {
-            true => vec![("qdd".to_string(), Shape::Vector(n)), ("multipliers".to_string(), Shape::Vector(k))],
-            false => function.results.iter().map(|part| (part.name.to_string(), part.shape)).collect(),
+        let (name, docs, parts) = match is_motion {
+            true => {
+                let parts = [("qdd", n), ("multipliers", k)].map(|(name, n)| (name.to_string(), Shape::Vector(n)));
+                let docs = vec!["Accelerations and multipliers.".to_string()];
+                (&self.names.constrained_motion, docs, parts.to_vec())
+            }
+            false => {
+                let parts = function.results.iter().map(|part| (part.name.to_string(), part.shape));
+                (&self.names.functions[number], doc::function(self.derivation, function), parts.collect())
+            }
         };
         let mut values = values.into_iter();
         let mut next = |count: usize| values.by_ref().take(count).collect::<Vec<String>>();
-        let (masses, jacobian) = match ending {
-            Ending::Values | Ending::OfMotion(_) => (0, 0),
-            Ending::Solve => (n * n, 0),
-            Ending::Motion | Ending::Slopes(_) => (n * n, k * n),
+        let (mass_matrix, jacobian) = match ending {
+            Ending::Values | Ending::OfMotion(_) => (Vec::new(), Vec::new()),
+            Ending::Solve => (next(n * n), Vec::new()),
+            Ending::Motion | Ending::Slopes(_) => (next(n * n), next(k * n)),
         };
-        let (mass_matrix, jacobian) = (next(masses), next(jacobian));
         let count = |shape: Shape| match ending {
-            Ending::Slopes(_) => (n + k) * (shape.entries() / n),
+            Ending::Slopes(_) => (n + k) * columns(shape),
             Ending::Values | Ending::Solve | Ending::Motion | Ending::OfMotion(_) => shape.entries(),
         };
-        let values = parts.iter().map(|(_, shape)| next(count(*shape))).collect();
-        let reads_multipliers = function.program.uses(|symbol| matches!(symbol, Symbol::Multiplier(_)));
-        let (name, docs) = match is_motion {
-            true => (&self.names.constrained_motion, vec!["Accelerations and multipliers.".to_string()]),
-            false => (&self.names.functions[number], doc::function(self.derivation, function)),
-        };
-        let (name, arguments) = (plain(name), self.arguments(function));
-        let kind = function.kind;
         Routine {
-            kind,
-            name,
+            kind: function.kind,
+            name: plain(name),
             docs,
-            arguments,
-            parts,
+            arguments: self.arguments(function),
             motion,
-            reads_multipliers,
+            reads_multipliers: function.program.uses(|symbol| matches!(symbol, Symbol::Multiplier(_))),
             lines,
             mass_matrix,
             jacobian,
-            values,
+            values: parts.iter().map(|(_, shape)| next(count(*shape))).collect(),
+            parts,
             ending,
+        }
+    }
+
+    /// What a function's program is evaluated at, and how its results come from its values.
+    fn steps(&self, function: &Function, syntax: &dyn Syntax) -> (Motion, Ending) {
+        match (function.kind, function.completion) {
+            (_, Completion::None) => (Motion::Given, Ending::Values),
+            (_, Completion::Solve) if calls_forward_dynamics(function) => (Motion::Accelerations, Ending::Solve),
+            (_, Completion::Solve) => (Motion::Given, Ending::Solve),
+            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
+                (Motion::Constrained, Ending::OfMotion("qdd"))
+            }
+            (_, Completion::SolveMultipliers) => (Motion::Constrained, Ending::OfMotion("multipliers")),
+            (kind, Completion::SolveConstrained) => (Motion::Constrained, Ending::Slopes(self.measures(kind, syntax))),
         }
     }
 
@@ -517,23 +528,6 @@ pub(super) fn one_angle<S: Syntax + ?Sized>(
     }
 }
 
-/// A branch by statements: how it begins, what ends each side, and how far to the right they stand.
-pub(super) fn if_else(
-    mut lines: Vec<String>,
-    names: &[String],
-    sides: &[Side; 2],
-    ends: [&str; 2],
-    by: usize,
-) -> Vec<String> {
-    for (side, end) in sides.iter().zip(ends) {
-        let results = names.iter().zip(&side.values).map(|(name, value)| format!("{name} = {value};"));
-        let within: Vec<String> = side.lines.iter().cloned().chain(results).collect();
-        lines.extend(indented(&within, by));
-        lines.push(end.to_string());
-    }
-    lines
-}
-
 /// The first line of a text.
 pub(super) fn generated_from(source: &str) -> String {
     let source: String = source.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -543,41 +537,4 @@ pub(super) fn generated_from(source: &str) -> String {
 /// Without the escape of a keyword of Rust.
 pub(super) fn plain(name: &str) -> String {
     name.strip_prefix("r#").unwrap_or(name).to_string()
-}
-
-/// Farther to the right.
-pub(super) fn indented<'a>(lines: impl IntoIterator<Item = &'a String>, by: usize) -> impl Iterator<Item = String> {
-    let indent = " ".repeat(by);
-    let lines = lines.into_iter();
-    let lines: Vec<String> =
-        lines.map(|line| if line.is_empty() { String::new() } else { format!("{indent}{line}") }).collect();
-    lines.into_iter()
-}
-
-/// A parameter's declared value, with these brackets around lists.
-pub(super) fn defaults(
-    parameter: &Variable,
-    constant: &dyn Fn(f64) -> String,
-    list: &dyn Fn(&[String]) -> String,
-) -> String {
-    let values: Vec<String> = parameter.defaults.iter().map(|value| constant(value.to_f64())).collect();
-    match (parameter.length, parameter.columns) {
-        (None, _) => values[0].clone(),
-        (Some(_), None) => list(&values),
-        (Some(_), Some(columns)) => list(&values.chunks(columns).map(list).collect::<Vec<_>>()),
-    }
-}
-
-/// A comment that documentation generators of C and JavaScript read.
-pub(super) fn block_comment(lines: &[String], by: usize) -> String {
-    let indent = " ".repeat(by);
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /").replace("/*", "/ *")).collect();
-    match lines.as_slice() {
-        [line] => format!("{indent}/** {line} */\n"),
-        lines => {
-            let lines: String =
-                lines.iter().map(|line| format!("{indent} * {line}").trim_end().to_string() + "\n").collect();
-            format!("{indent}/**\n{lines}{indent} */\n")
-        }
-    }
 }

@@ -70,9 +70,7 @@ impl Module<'_> {
         let (given, lines) = (given.join(", "), routine.lines.join("\n"));
         let motion = format!("self.{}({given})", self.walk.names.constrained_motion);
         match &routine.ending {
-            Ending::Values => {
-                format!("{lines}\n{}", assembled(routine, &in_shape(routine)))
-            }
+            Ending::Values => format!("{lines}\n{}", assembled(routine, &in_shape(routine))),
             Ending::Solve => {
                 let called = || format!("let qdd = &self.{}({given});\n", escaped(&self.walk.forward_dynamics()));
                 let accelerations = (routine.motion == Motion::Accelerations).then(called).unwrap_or_default();

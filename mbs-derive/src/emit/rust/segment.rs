@@ -33,8 +33,10 @@ pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> 
     let blocks = pieces.iter().map(|piece| {
         let lines = piece.iter().flat_map(|statement| {
             let leaves = statement.binds().iter().any(|local| leaving.contains(local));
-            let assigned =
-                move |line: String| line.strip_prefix("let ").filter(|_| leaves).map_or(line.clone(), String::from);
+            let assigned = move |line: String| match line.strip_prefix("let ") {
+                Some(assignment) if leaves => assignment.to_string(),
+                _ => line,
+            };
             writer.statement(statement).into_iter().map(assigned)
         });
         let lines = lines.collect::<Vec<_>>().join("\n");
