@@ -293,7 +293,7 @@ fn comments_are_as_wide_as_code() {
             && line.chars().count() > 120
             && !text.trim_start_matches(['/', '!', ' ']).starts_with('|')
     };
-    let files = written_by_hand().into_iter().filter(|file| !file.ends_with("emit/item.rs"));
+    let files = written_by_hand().into_iter().filter(|file| !file.ends_with("emit/rust.rs"));
     let wide: Vec<_> =
         files.flat_map(|file| read(&file).lines().filter(is_wide).map(String::from).collect::<Vec<_>>()).collect();
     assert!(wide.is_empty(), "wider than 120 columns: {wide:#?}");

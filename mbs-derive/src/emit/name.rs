@@ -156,8 +156,6 @@ impl Scope {
 /// All names of a mechanism but those of the locals of one function.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
-    /// Whether sums of products are written as such.
-    pub(super) infix: bool,
     /// Which sines and cosines are computed.
     pub(super) trigonometry: Trigonometry,
     /// The mechanism's struct.
@@ -188,7 +186,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn of(derivation: &Derivation, infix: bool, trigonometry: Trigonometry) -> Self {
+    pub(super) fn of(derivation: &Derivation, trigonometry: Trigonometry) -> Self {
         let mut scope = Scope::with(&RESERVED);
         let splines: Vec<Spline> = derivation.splines().into_iter().cloned().collect();
         scope.taken.extend((0..splines.len()).map(table));
@@ -227,7 +225,6 @@ impl Names {
         let mut fields = Scope::default();
         let mut methods = Scope::with(&METHODS);
         Names {
-            infix,
             trigonometry,
             mechanism: type_name(&derivation.name),
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),

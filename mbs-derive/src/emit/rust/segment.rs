@@ -11,36 +11,38 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
-
-use super::body::Statement;
-use super::expression::Tree;
-use super::name::ident;
-use super::text::{Text, each_leaf};
+use super::super::body::{Block, Statement};
+use super::super::expression::Tree;
+use super::super::walk::Writer;
 
 /// Statements in one block.
 const LONGEST: usize = 1000;
 
-/// Statements, in blocks if they are many; `results` follow them. What is computed on demand stands between the blocks:
-/// its type has no name, so it cannot be declared before.
-pub(super) fn statements(statements: &[Statement], results: &[Tree], text: &Text<'_, '_>) -> TokenStream {
-    let count = statements.len();
+/// The statements of a block, in blocks if they are many. What is computed on demand stands between the blocks: its
+/// type has no name, so it cannot be declared before.
+pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
+    let count = block.statements.len();
     if count <= LONGEST {
-        let statements = statements.iter().map(|s| text.statement(s, &BTreeSet::new()));
-        return quote!(#(#statements)*);
+        return block.statements.iter().flat_map(|statement| writer.statement(statement)).collect();
     }
     let length = count.div_ceil(count.div_ceil(LONGEST));
-    let pieces: Vec<&[Statement]> =
-        statements.chunk_by(|a, b| !is_on_demand(a) && !is_on_demand(b)).flat_map(|run| run.chunks(length)).collect();
-    let leaving = leaving(&pieces, results);
-    let names = leaving.iter().map(|local| ident(text.local(*local)));
+    let runs = block.statements.chunk_by(|a, b| !is_on_demand(a) && !is_on_demand(b));
+    let pieces: Vec<&[Statement]> = runs.flat_map(|run| run.chunks(length)).collect();
+    let leaving = leaving(&pieces, &block.results);
+    let names: Vec<&str> = leaving.iter().map(|local| writer.body.locals[*local].as_str()).collect();
     let blocks = pieces.iter().map(|piece| {
-        let statements = piece.iter().map(|s| text.statement(s, &leaving));
-        if piece.iter().any(is_on_demand) { quote!(#(#statements)*) } else { quote!({ #(#statements)* }) }
+        let lines = piece.iter().flat_map(|statement| {
+            let leaves = statement.binds().iter().any(|local| leaving.contains(local));
+            let assigned = move |line: String| match line.strip_prefix("let ") {
+                Some(assignment) if leaves => assignment.to_string(),
+                _ => line,
+            };
+            writer.statement(statement).into_iter().map(assigned)
+        });
+        let lines = lines.collect::<Vec<_>>().join("\n");
+        if piece.iter().any(is_on_demand) { lines } else { format!("{{ {lines} }}") }
     });
-    let count = Literal::usize_unsuffixed(leaving.len());
-    quote!(let [#(#names),*]: [T; #count]; #(#blocks)*)
+    std::iter::once(format!("let [{}]: [T; {}];", names.join(", "), names.len())).chain(blocks).collect()
 }
 
 fn is_on_demand(statement: &Statement) -> bool {
@@ -66,10 +68,12 @@ fn leaving(pieces: &[&[Statement]], results: &[Tree]) -> BTreeSet<usize> {
 /// The locals in these expressions.
 fn locals(trees: Vec<&Tree>) -> BTreeSet<usize> {
     let mut found = BTreeSet::new();
-    each_leaf(trees.into_iter(), &mut |leaf| {
-        if let Tree::Local(local) = leaf {
-            found.insert(*local);
-        }
+    trees.into_iter().for_each(|tree| {
+        tree.each_leaf(&mut |leaf| {
+            if let Tree::Local(local) = leaf {
+                found.insert(*local);
+            }
+        });
     });
     found
 }

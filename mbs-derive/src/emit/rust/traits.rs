@@ -1,18 +1,21 @@
 //! The runtime's traits, implemented by the generated functions.
 
 use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+use quote::{ToTokens, quote};
 
 use crate::catalogue::{Argument, FunctionKind, Trait};
 use crate::optimise::{Derivation, Function};
+use crate::shape::Shape;
 use crate::variable::component_names;
 
-use super::Options;
-use super::item::{Emitter, selected};
-use super::name::ident;
+use super::super::Options;
+use super::super::name::ident;
+use super::super::walk::selected;
+use super::Module;
 
-/// Whether the module implements the trait `Mechanism`, and with it all that this rests on.
-pub(super) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
+/// Whether the module implements `mbs_runtime::Mechanism`, and with it all that this rests on: all functions of the
+/// traits are generated.
+pub(crate) fn implements_mechanism(derivation: &Derivation, options: &Options) -> bool {
     implemented(&selected(derivation, options.functions.as_deref())).iter().any(|(of, _)| *of == Trait::Mechanism)
 }
 
@@ -51,18 +54,18 @@ fn constrained<'f, 'd>(
     derivation.prescribed.is_empty().then_some(found)
 }
 
-impl Emitter<'_> {
+impl Module<'_> {
     /// The traits by use that can be implemented.
     pub(super) fn implementations(&self) -> TokenStream {
-        let traits = implemented(&self.functions);
+        let traits = implemented(&self.walk.functions);
         let traits = traits.iter().map(|(of, functions)| self.implementation(*of, functions));
         quote!(#(#traits)*)
     }
 
     fn implementation(&self, of: Trait, functions: &[&(usize, &Function)]) -> TokenStream {
-        let (name, of_runtime) = (ident(&self.names.mechanism), ident(of.name()));
-        let sizes = [self.derivation.dof(), self.inputs(), self.derivation.constraints.len()];
-        let sizes = sizes[..of.sizes()].iter().map(|&size| Literal::usize_unsuffixed(size));
+        let (name, of_runtime) = (ident(&self.walk.names.mechanism), ident(of.name()));
+        let [n, inputs, _, rows] = self.walk.sizes().map(Literal::usize_unsuffixed);
+        let sizes = [n, inputs, rows].into_iter().take(of.sizes());
         let items = match of {
             Trait::Dynamics => self.declared(),
             Trait::Constrained => self.rows(),
@@ -79,16 +82,13 @@ impl Emitter<'_> {
 
     /// The types and names of `Dynamics`.
     fn declared(&self) -> TokenStream {
-        let declared = &self.derivation.name;
-        let coordinates = component_names(&self.derivation.coordinates);
-        let inputs = component_names(&self.derivation.inputs);
-        let [n, u] = [self.derivation.dof(), self.inputs()].map(Literal::usize_unsuffixed);
-        let time = match self.signals() {
-            0 => quote!(T),
-            signals => {
-                let signals = Literal::usize_unsuffixed(signals);
-                quote!((T, [[T; 3]; #signals]))
-            }
+        let declared = &self.walk.derivation.name;
+        let coordinates = component_names(&self.walk.derivation.coordinates);
+        let inputs = component_names(&self.walk.derivation.inputs);
+        let [n, u, signals, _] = self.walk.sizes().map(Literal::usize_unsuffixed);
+        let time = match self.walk.derivation.prescribed.is_empty() {
+            true => quote!(T),
+            false => quote!((T, [[T; 3]; #signals])),
         };
         quote! {
             type Scalar = T;
@@ -102,7 +102,7 @@ impl Emitter<'_> {
 
     /// The names of `Constrained`.
     fn rows(&self) -> TokenStream {
-        let (names, holonomic) = (&self.derivation.constraints, &self.derivation.holonomic);
+        let (names, holonomic) = (&self.walk.derivation.constraints, &self.walk.derivation.holonomic);
         let rows = Literal::usize_unsuffixed(names.len());
         quote! {
             const CONSTRAINTS: [&'static str; #rows] = [#(#names),*];
@@ -112,18 +112,19 @@ impl Emitter<'_> {
 
     /// The function of a trait, which calls the mechanism's own.
     fn forwarded(&self, (number, function): &(usize, &Function)) -> TokenStream {
-        let (trait_function, inherent) = (ident(function.kind.name()), ident(&self.names.functions[*number]));
+        let (trait_function, inherent) = (ident(function.kind.name()), ident(&self.walk.names.functions[*number]));
+        let [n, inputs, ..] = self.walk.sizes().map(Literal::usize_unsuffixed);
         let arguments = function.arguments.iter().map(|&argument| {
-            let length = if argument == Argument::U { self.inputs() } else { self.derivation.dof() };
-            let (name, length) = (ident(argument.name()), Literal::usize_unsuffixed(length));
+            let (name, length) = (ident(argument.name()), if argument == Argument::U { &inputs } else { &n });
             quote!(#name: &[T; #length])
         });
-        let time = if self.signals() > 0 { quote!((t, prescribed)) } else { quote!(t) };
-        let passed = self.arguments(function).into_iter().map(|(name, _)| match name == "prescribed" {
-            true => quote!(&#name),
-            false => quote!(#name),
+        let time = if self.walk.derivation.prescribed.is_empty() { quote!(t) } else { quote!((t, prescribed)) };
+        let passed = self.walk.arguments(function).into_iter().map(|(name, _)| match name {
+            "prescribed" => quote!(&prescribed),
+            name => ident(name).to_token_stream(),
         });
-        let result = self.result_type(function);
+        let shapes: Vec<Shape> = function.results.iter().map(|part| part.shape).collect();
+        let result = self.result_type(function.kind, &shapes);
         quote! {
             fn #trait_function(&self, #time: Self::Time, #(#arguments),*) -> #result {
                 self.#inherent(#(#passed),*)
@@ -133,14 +134,14 @@ impl Emitter<'_> {
 
     /// What the runtime's `Projector` asks for, where it can be implemented.
     pub(super) fn constraints(&self) -> TokenStream {
-        let derivation = self.derivation;
-        let Some(found) = constrained(derivation, &self.functions) else { return TokenStream::new() };
+        let derivation = self.walk.derivation;
+        let Some(found) = constrained(derivation, &self.walk.functions) else { return TokenStream::new() };
         let [n, rows] = [derivation.dof(), derivation.constraints.len()].map(Literal::usize_unsuffixed);
-        let name = ident(&self.names.mechanism);
+        let name = ident(&self.walk.names.mechanism);
         let holonomic = &derivation.holonomic;
         let call = |(number, function): &(usize, &Function)| {
-            let inherent = ident(&self.names.functions[*number]);
-            let passed = self.arguments(function).into_iter().map(|(name, _)| name);
+            let inherent = ident(&self.walk.names.functions[*number]);
+            let passed = self.walk.arguments(function).into_iter().map(|(name, _)| ident(name));
             quote!(self.#inherent(#(#passed),*))
         };
         let [mass_matrix, position, rate, jacobian] = found.map(call);

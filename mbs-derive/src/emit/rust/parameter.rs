@@ -8,40 +8,92 @@ use crate::model::requirement::Condition;
 use crate::optimise::Derivation;
 use crate::variable::Variable;
 
-use super::body::{Body, Component};
-use super::name::{Names, ident};
+use super::super::doc;
+use super::super::name::{Names, ident};
 use super::shape::array;
-use super::text::{self, Text};
-use super::{doc, segment};
+use super::syntax::{number, written_out};
+use super::{Module, tokens};
 
-/// `Params`, its defaults, `check`, and with serde what is read before it is checked.
-pub(super) fn items(derivation: &Derivation, names: &Names, serde: bool) -> TokenStream {
-    let parameters = &derivation.parameters;
-    let docs = doc::attributes(&[format!("Parameters of [`{}`].", names.mechanism)]);
-    let derives = serde.then(|| serialize(&quote!(try_from = "UncheckedParams<T>")));
-    let fields = fields(derivation, names, serde);
-    let defaults = parameters.iter().zip(&names.fields).map(|(parameter, field)| {
-        let (field, value) = (ident(field), default(parameter));
-        quote!(#field: #value,)
+impl Module<'_> {
+    /// `Params`, its defaults, `check`, and with serde what is read before it is checked.
+    pub(super) fn parameters(&self) -> TokenStream {
+        let (derivation, names, serde) = (self.walk.derivation, &self.walk.names, self.serde);
+        let parameters = &derivation.parameters;
+        let docs = doc::attributes(&[format!("Parameters of [`{}`].", names.mechanism)]);
+        let derives = serde.then(|| serialize(&quote!(try_from = "UncheckedParams<T>")));
+        let fields = fields(derivation, names, serde);
+        let defaults = parameters.iter().zip(&names.fields).map(|(parameter, field)| {
+            let (field, value) = (ident(field), default(parameter));
+            quote!(#field: #value,)
+        });
+        let marked = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
+        let check = self.check();
+        let unchecked = serde.then(|| unchecked(derivation, names));
+        quote! {
+            #docs
+            #[derive(Clone, Copy, Debug, PartialEq)]
+            #derives
+            pub struct Params<T = f64> { #fields }
+
+            impl<T: ::mbs_runtime::Scalar> ::core::default::Default for Params<T> {
+                /// The declared values.
+                fn default() -> Self {
+                    Self { #(#defaults)* #marked }
+                }
+            }
+
+            #check
+            #unchecked
+        }
+    }
+
+    /// `check`
+    fn check(&self) -> TokenStream {
+        let (derivation, names) = (self.walk.derivation, &self.walk.names);
+        let docs = doc::attributes(&doc::requirements(derivation));
+        let finite = derivation.parameters.iter().zip(&names.fields).map(|(parameter, field)| {
+        let (field, components) = (ident(field), parameter.component_names());
+        let values = match parameter.columns {
+            None => quote!(self.#field),
+            Some(_) => quote!(self.#field.into_iter().flatten()),
+        };
+        match parameter.length {
+            None => quote! {
+                ::mbs_runtime::parameter::require(#(#components)*, self.#field, ::mbs_runtime::ParameterCondition::Finite)?;
+            },
+            Some(_) => quote! {
+                for (name, value) in [#(#components),*].into_iter().zip(#values) {
+                    ::mbs_runtime::parameter::require(name, value, ::mbs_runtime::ParameterCondition::Finite)?;
+                }
+            },
+        }
     });
-    let marked = parameters.is_empty().then(|| quote!(scalar: ::core::marker::PhantomData,));
-    let check = check(derivation, names);
-    let unchecked = serde.then(|| unchecked(derivation, names));
-    quote! {
-        #docs
-        #[derive(Clone, Copy, Debug, PartialEq)]
-        #derives
-        pub struct Params<T = f64> { #fields }
-
-        impl<T: ::mbs_runtime::Scalar> ::core::default::Default for Params<T> {
-            /// The declared values.
-            fn default() -> Self {
-                Self { #(#defaults)* #marked }
+        let required = self.required();
+        quote! {
+            impl<T: ::mbs_runtime::Scalar> Params<T> {
+                #docs
+                pub fn check(&self) -> ::core::result::Result<(), ::mbs_runtime::ParameterError<T>> {
+                    #(#finite)*
+                    #required
+                    ::core::result::Result::Ok(())
+                }
             }
         }
+    }
 
-        #check
-        #unchecked
+    /// The conditions on expressions of parameters.
+    fn required(&self) -> TokenStream {
+        let (lines, values) = self.walk.required(&self.with("*self"));
+        let calls = self.walk.derivation.conditions(&values).map(|(requirement, values)| {
+            let (quantity, condition) = (&requirement.quantity, condition(requirement.condition));
+            let all = values.iter().map(|value| tokens(value));
+            match values {
+                [_] => quote!(::mbs_runtime::parameter::require(#quantity, #(#all)*, #condition)?;),
+                _ => quote!(::mbs_runtime::parameter::require_inertia(#quantity, [#(#all),*], #condition)?;),
+            }
+        });
+        let lines = tokens(&lines.join("\n"));
+        quote!(#lines #(#calls)*)
     }
 }
 
@@ -103,62 +155,6 @@ fn unchecked(derivation: &Derivation, names: &Names) -> TokenStream {
     }
 }
 
-/// `check`
-fn check(derivation: &Derivation, names: &Names) -> TokenStream {
-    let docs = doc::attributes(&doc::requirements(derivation));
-    let finite = derivation.parameters.iter().zip(&names.fields).map(|(parameter, field)| {
-        let (field, components) = (ident(field), parameter.component_names());
-        let values = match parameter.columns {
-            None => quote!(self.#field),
-            Some(_) => quote!(self.#field.into_iter().flatten()),
-        };
-        match parameter.length {
-            None => quote! {
-                ::mbs_runtime::parameter::require(#(#components)*, self.#field, ::mbs_runtime::ParameterCondition::Finite)?;
-            },
-            Some(_) => quote! {
-                for (name, value) in [#(#components),*].into_iter().zip(#values) {
-                    ::mbs_runtime::parameter::require(name, value, ::mbs_runtime::ParameterCondition::Finite)?;
-                }
-            },
-        }
-    });
-    let required = required(derivation, names);
-    quote! {
-        impl<T: ::mbs_runtime::Scalar> Params<T> {
-            #docs
-            pub fn check(&self) -> ::core::result::Result<(), ::mbs_runtime::ParameterError<T>> {
-                #(#finite)*
-                #required
-                ::core::result::Result::Ok(())
-            }
-        }
-    }
-}
-
-/// The conditions on expressions of parameters.
-fn required(derivation: &Derivation, names: &Names) -> TokenStream {
-    let components: Vec<_> =
-        (0..derivation.required.results.len()).map(|k| Component::Result(k, String::new())).collect();
-    if components.is_empty() {
-        return TokenStream::new();
-    }
-    let body = Body::new(&derivation.required, &components, names, names.constructor_scope());
-    let text = Text::new(&body);
-    let arguments = text.arguments(derivation, &quote!(*self));
-    let (constants, statements) =
-        (text.constants(), segment::statements(&body.block.statements, &body.block.results, &text));
-    let values: Vec<TokenStream> = body.block.results.iter().map(|tree| text.tree(tree)).collect();
-    let calls = derivation.conditions(&values).map(|(requirement, values)| {
-        let (quantity, condition) = (&requirement.quantity, condition(requirement.condition));
-        match values {
-            [value] => quote!(::mbs_runtime::parameter::require(#quantity, #value, #condition)?;),
-            _ => quote!(::mbs_runtime::parameter::require_inertia(#quantity, [#(#values),*], #condition)?;),
-        }
-    });
-    quote!(#arguments #constants #statements #(#calls)*)
-}
-
 fn condition(condition: Condition) -> TokenStream {
     let name = ident(match condition {
         Condition::Finite => "Finite",
@@ -175,21 +171,21 @@ fn condition(condition: Condition) -> TokenStream {
 fn default(parameter: &Variable) -> TokenStream {
     let values: Vec<f64> = parameter.defaults.iter().copied().map(Number::to_f64).collect();
     match (parameter.lengths().as_slice(), values.as_slice()) {
-        ([], [value]) => text::written_out(*value),
+        ([], [value]) => tokens(&written_out(*value)),
         (lengths, [first, rest @ ..]) if rest.iter().all(|value| value == first) => {
             let lengths = lengths.iter().rev().map(|&n| Literal::usize_unsuffixed(n));
-            lengths.fold(text::written_out(*first), |values, n| quote!([#values; #n]))
+            lengths.fold(tokens(&written_out(*first)), |values, n| quote!([#values; #n]))
         }
         ([_, columns], values) => {
             let row = |row: &[f64]| {
-                let row = row.iter().map(|value| text::number(*value));
+                let row = row.iter().map(|value| tokens(&number(*value)));
                 quote!([#(#row),*])
             };
             let rows = values.chunks(*columns).map(row);
             quote!([#(#rows),*].map(|row| row.map(T::from_f64)))
         }
         (_, values) => {
-            let values = values.iter().map(|value| text::number(*value));
+            let values = values.iter().map(|value| tokens(&number(*value)));
             quote!([#(#values),*].map(T::from_f64))
         }
     }
@@ -197,5 +193,5 @@ fn default(parameter: &Variable) -> TokenStream {
 
 /// `T`, `[T; 3]` or `[[T; 3]; 2]`
 fn nested(lengths: &[usize]) -> TokenStream {
-    lengths.iter().rev().fold(quote!(T), |of, &n| array(of, Some(n)))
+    lengths.iter().rev().fold(quote!(T), |of, &n| array(of, n))
 }
