@@ -51,6 +51,11 @@ impl Cache {
         Cache { folder: None, capacity: 0 }
     }
 
+    /// Where it is, if it is anywhere.
+    pub(crate) fn folder(&self) -> Option<&Path> {
+        self.folder.as_deref()
+    }
+
     /// Where a value is kept, or would be.
     pub(crate) fn path(&self, key: Digest) -> Option<PathBuf> {
         self.folder.as_ref().map(|folder| folder.join(file_name(key)))

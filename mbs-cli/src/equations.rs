@@ -1,4 +1,8 @@
-//! The equations of motion, with parameters, inputs and prescribed motions as they stay.
+//! The equations of motion, with parameters, inputs and prescribed motions as they stay: interpreted, or compiled.
+
+mod native;
+
+use std::cell::RefCell;
 
 use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::{Interpreter, State};
@@ -8,6 +12,9 @@ use mbs_runtime::{ConstraintError, Constraints, Projector, RedundantRows};
 use crate::failure::Failure;
 use crate::simulate::drive::Driven;
 use crate::state::Point;
+
+use native::Compiled;
+pub(crate) use native::Native;
 
 /// Positions and velocities, as the runtime integrates them.
 pub(crate) type Motion = mbs_runtime::State<Vec<f64>>;
@@ -34,9 +41,13 @@ impl From<Redundant> for RedundantRows {
 pub(crate) struct Equations<'d> {
     interpreter: Interpreter<'d>,
     derivation: &'d Derivation,
-    forward_dynamics: &'d Function,
+    /// The number of `forward_dynamics`.
+    forward_dynamics: usize,
     start: State,
     driven: Driven,
+    compiled: Option<Compiled<'d>>,
+    /// Kept from call to call, so that memory is not asked for at each: as many as calls are within each other.
+    states: RefCell<Vec<State>>,
 }
 
 impl<'d> Equations<'d> {
@@ -46,10 +57,18 @@ impl<'d> Equations<'d> {
         Ok(Equations {
             interpreter: Interpreter::with_parameters(derivation, start.parameters.clone()),
             derivation,
-            forward_dynamics: derivation.function(FunctionKind::ForwardDynamics).ok_or_else(missing)?,
+            forward_dynamics: number_of(derivation, FunctionKind::ForwardDynamics).ok_or_else(missing)?,
             start: start.state.clone(),
             driven: Driven::default(),
+            compiled: None,
+            states: RefCell::new(Vec::new()),
         })
+    }
+
+    /// With compiled functions of the same mechanism in place of interpreted ones.
+    pub(crate) fn with_native(self, native: &'d Native) -> Result<Self, Failure> {
+        let compiled = native.with_parameters(self.interpreter.parameters()).map_err(Failure::new)?;
+        Ok(Equations { compiled: Some(compiled), ..self })
     }
 
     /// With inputs and signals that change.
@@ -69,7 +88,8 @@ impl<'d> Equations<'d> {
 
     /// Whether accelerations depend on velocities.
     pub(crate) fn depends_on_velocities(&self) -> bool {
-        self.forward_dynamics.program.uses(|symbol| matches!(symbol, Symbol::Velocity(_)))
+        let forward_dynamics = &self.derivation.functions[self.forward_dynamics];
+        forward_dynamics.program.uses(|symbol| matches!(symbol, Symbol::Velocity(_)))
     }
 
     /// The arguments of the mechanism's functions.
@@ -79,6 +99,49 @@ impl<'d> Equations<'d> {
         state
     }
 
+    /// Hands out the arguments of the mechanism's functions.
+    pub(crate) fn at<R>(&self, t: f64, q: &[f64], qd: &[f64], ask: impl FnOnce(&State) -> R) -> R {
+        let kept = self.states.borrow_mut().pop();
+        let mut state = kept.unwrap_or_else(|| self.start.clone());
+        state.t = t;
+        state.q.copy_from_slice(q);
+        state.qd.copy_from_slice(qd);
+        self.driven.put(self, &mut state);
+        let answer = ask(&state);
+        self.states.borrow_mut().push(state);
+        answer
+    }
+
+    /// Puts the results of the function with this number where there is place for as many.
+    fn put(&self, number: usize, state: &State, results: &mut [f64]) {
+        let is_put = self.compiled.as_ref().is_some_and(|compiled| compiled.put(number, state, None, results));
+        if !is_put {
+            results.copy_from_slice(&self.interpreter.evaluate(&self.derivation.functions[number], state));
+        }
+    }
+
+    /// Puts the results of a function of the constraints at a state.
+    fn put_rows(&self, kind: FunctionKind, t: f64, q: &[f64], qd: &[f64], results: &mut [f64]) {
+        self.at(t, q, qd, |state| self.put(self.number(kind), state, results));
+    }
+
+    fn number(&self, kind: FunctionKind) -> usize {
+        let missing = || panic!("{} has no function `{}`", self.derivation.name, kind.name());
+        number_of(self.derivation, kind).unwrap_or_else(missing)
+    }
+
+    /// The results of the function with this number, where it takes multipliers with these, or those of the motion.
+    fn results(&self, number: usize, state: &State, multipliers: Option<&[f64]>) -> Vec<f64> {
+        let compiled = self.compiled.as_ref().and_then(|compiled| compiled.evaluate(number, state, multipliers));
+        compiled.unwrap_or_else(|| {
+            let function = &self.derivation.functions[number];
+            match multipliers {
+                Some(multipliers) => self.interpreter.evaluate_with(function, state, multipliers),
+                None => self.interpreter.evaluate(function, state),
+            }
+        })
+    }
+
     /// The results of a function, where it takes multipliers with these.
     pub(crate) fn evaluate(&self, function: &Function, state: &State, multipliers: &[f64]) -> Vec<f64> {
         self.interpreter.evaluate_with(function, state, multipliers)
@@ -86,23 +149,29 @@ impl<'d> Equations<'d> {
 
     /// The first result of the function with this number.
     pub(crate) fn evaluate_number(&self, number: usize, state: &State) -> f64 {
-        self.interpreter.evaluate(&self.derivation.functions[number], state).first().copied().unwrap_or(f64::NAN)
+        let compiled = self.compiled.as_ref().and_then(|compiled| compiled.first(number, state));
+        let interpreted = || self.interpreter.evaluate(&self.derivation.functions[number], state).first().copied();
+        compiled.or_else(interpreted).unwrap_or(f64::NAN)
+    }
+
+    /// A number that every mechanism has.
+    pub(crate) fn scalar(&self, kind: FunctionKind, state: &State) -> f64 {
+        self.evaluate_number(self.number(kind), state)
     }
 
     /// The results of a function that every mechanism has.
     pub(crate) fn call(&self, kind: FunctionKind, state: &State) -> Vec<f64> {
-        let results = self.interpreter.call(kind, state);
-        results.unwrap_or_else(|| panic!("{} has no function `{}`", self.derivation.name, kind.name()))
+        self.results(self.number(kind), state, None)
     }
 
     /// The results of a function of the constraints, one that all mechanisms with constraints have.
     pub(crate) fn rows_of(&self, kind: FunctionKind, state: &State) -> Vec<f64> {
-        self.interpreter.rows(kind, state)
+        if self.derivation.constraints.is_empty() { Vec::new() } else { self.call(kind, state) }
     }
 
     /// `q̈` in closed form.
-    pub(crate) fn accelerations(&self, state: &State) -> Vec<f64> {
-        self.interpreter.evaluate(self.forward_dynamics, state)
+    fn put_accelerations(&self, state: &State, accelerations: &mut [f64]) {
+        self.put(self.forward_dynamics, state, accelerations);
     }
 
     /// Whether inertia and forces are numbers: then accelerations are, too, unless M is singular.
@@ -124,6 +193,11 @@ impl<'d> Equations<'d> {
     }
 }
 
+/// The place of a function among those of a mechanism.
+fn number_of(derivation: &Derivation, kind: FunctionKind) -> Option<usize> {
+    derivation.functions.iter().position(|function| function.kind == kind)
+}
+
 impl Constraints<f64> for Equations<'_> {
     fn rows(&self) -> usize {
         self.derivation.constraints.len()
@@ -134,19 +208,19 @@ impl Constraints<f64> for Equations<'_> {
     }
 
     fn mass_matrix(&self, t: f64, q: &[f64], m: &mut [f64]) {
-        m.copy_from_slice(&self.call(FunctionKind::MassMatrix, &self.state(t, q, &self.start.qd)));
+        self.put_rows(FunctionKind::MassMatrix, t, q, &self.start.qd, m);
     }
 
     fn position(&self, t: f64, q: &[f64], phi: &mut [f64]) {
-        phi.copy_from_slice(&self.rows_of(FunctionKind::Constraint, &self.state(t, q, &self.start.qd)));
+        self.put_rows(FunctionKind::Constraint, t, q, &self.start.qd, phi);
     }
 
     fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
-        rate.copy_from_slice(&self.rows_of(FunctionKind::ConstraintRate, &self.state(t, q, qd)));
+        self.put_rows(FunctionKind::ConstraintRate, t, q, qd, rate);
     }
 
     fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
-        a.copy_from_slice(&self.rows_of(FunctionKind::ConstraintJacobian, &self.state(t, q, &self.start.qd)));
+        self.put_rows(FunctionKind::ConstraintJacobian, t, q, &self.start.qd, a);
     }
 }
 
@@ -174,8 +248,19 @@ impl<'e, 'd> Solver<'e, 'd> {
 
     /// `q̈`
     pub(crate) fn accelerations(&mut self, state: &State) -> Result<Vec<f64>, ConstraintError> {
-        let closed = self.is_closed.then(|| self.equations.accelerations(state));
-        finite(closed).map_or_else(|| self.factorize(state).map(|(accelerations, _)| accelerations), Ok)
+        let mut accelerations = vec![0.0; state.q.len()];
+        self.put_accelerations(state, &mut accelerations).map(|()| accelerations)
+    }
+
+    /// Puts `q̈` where there is place for it.
+    pub(crate) fn put_accelerations(&mut self, state: &State, qdd: &mut [f64]) -> Result<(), ConstraintError> {
+        if self.is_closed {
+            self.equations.put_accelerations(state, qdd);
+            if qdd.iter().all(|x| x.is_finite()) {
+                return Ok(());
+            }
+        }
+        self.factorize(state).map(|(accelerations, _)| qdd.copy_from_slice(&accelerations))
     }
 
     /// `λ`

@@ -1,28 +1,33 @@
-//! `mbs plot`: tables of `mbs sweep` as figures.
+//! `mbs plot`: tables of `mbs sweep` as figures, or what they say in numbers.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use mbs_chart::{Figure, Format, Line, Panel};
 use mbs_ensemble::statistics::quantile;
+use mbs_ensemble::table::{Column, Numbers, Table};
+use serde_json::json;
 
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::output;
 use crate::state::hint;
+use crate::summary::Summary;
 use crate::words::plural;
 
-/// Draw a table of `mbs sweep`: histograms of its columns, quantiles over one of them, or parallel coordinates.
+/// Draw a table of `mbs sweep`: histograms of its columns, quantiles over one of them, or parallel coordinates; or
+/// print its means and quantiles.
 #[derive(clap::Args)]
 #[command(after_help = "Example:\n  mbs plot swings.csv --out swings.svg")]
 pub(crate) struct Arguments {
-    /// The table, CSV.
-    #[arg(value_name = "TABLE.csv")]
+    /// The table: CSV or, with the feature `parquet`, Apache Parquet, of any program.
+    #[arg(value_name = "TABLE.csv|TABLE.parquet")]
     table: PathBuf,
     /// Where the figure goes.
-    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = output::figure_path)]
-    out: (PathBuf, Format),
+    #[arg(long, value_name = "FILE.svg|FILE.png", value_parser = output::figure_path, required_unless_present = "summary")]
+    out: Option<(PathBuf, Format)>,
+    /// Print means and quantiles of the columns, with bounds at a confidence of 95 %.
+    #[arg(long, conflicts_with_all = ["out", "over", "parallel"])]
+    summary: bool,
     /// Draw these columns; all that differ from row to row if not given.
     #[arg(long, value_name = "COLUMNS", value_delimiter = ',')]
     columns: Vec<String>,
@@ -40,15 +45,22 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut files = Files::default();
     files.reads("the table", &arguments.table);
-    let (out, format) = &arguments.out;
-    files.writes("--out", out)?;
-    let table = Table::read(&arguments.table)?;
-    let over = arguments.over.as_deref().map(|name| table.column(name)).transpose()?;
-    let chosen: Vec<&Column> = if arguments.columns.is_empty() {
-        let is_over = |column: &Column| over.is_some_and(|over| over.name == column.name);
-        table.columns.iter().filter(|column| column.differs() && !is_over(column)).collect()
+    if let Some((out, _)) = &arguments.out {
+        files.writes("--out", out)?;
+    }
+    let mut table = Table::read(&arguments.table).map_err(Failure::new)?;
+    let Some((out, format)) = &arguments.out else {
+        let names = &arguments.columns;
+        names.iter().try_for_each(|name| named(&table, name).map(|_| ()))?;
+        table.columns.retain(|column| names.is_empty() || names.contains(&column.about.name));
+        return summarize(table);
+    };
+    let over = arguments.over.as_deref().map(|name| named(&table, name)).transpose()?;
+    let chosen: Vec<&Numbers> = if arguments.columns.is_empty() {
+        let is_over = |column: &Numbers| over.is_some_and(|over| over.about.name == column.about.name);
+        table.columns.iter().filter(|column| differs(column) && !is_over(column)).collect()
     } else {
-        arguments.columns.iter().map(|name| table.column(name)).collect::<Result<_, _>>()?
+        arguments.columns.iter().map(|name| named(&table, name)).collect::<Result<_, _>>()?
     };
     if chosen.is_empty() {
         return Err(Failure::new(format_args!("{}: no column differs from row to row", arguments.table.display())));
@@ -64,86 +76,46 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::wrote(&[out])
 }
 
+/// Prints what a table says in numbers.
+fn summarize(table: Table) -> Result<(), Failure> {
+    let (rows, stopped) = (table.rows, table.stopped);
+    let summary = Summary::of_table(table);
+    let object = || json!({ "members": rows, "stopped": stopped, "summary": summary.object() });
+    let text = || format!("{}, {stopped} stopped\n{}", plural(rows, "member", "members"), summary.text());
+    output::answer(object, text)
+}
+
 /// Width in pixels, the height of a panel, and that of a figure at least.
 const WIDTH: u32 = 1100;
 const HEIGHT: u32 = 260;
 const LEAST_HEIGHT: u32 = 600;
 
-/// A table, column by column.
-struct Table {
-    rows: usize,
-    columns: Vec<Column>,
+/// The column with this name.
+fn named<'t>(table: &'t Table, name: &str) -> Result<&'t Numbers, Failure> {
+    table.column(name).ok_or_else(|| {
+        let known: Vec<String> = table.columns.iter().map(|column| column.about.name.clone()).collect();
+        Failure::new(format_args!("there is no column `{name}`{}", hint(name, &known, "columns")))
+    })
 }
 
-struct Column {
-    name: String,
-    unit: String,
-    /// NaN where there is none.
-    values: Vec<f64>,
+fn finite(column: &Numbers) -> impl Iterator<Item = f64> {
+    column.values.iter().copied().filter(|value| value.is_finite())
 }
 
-impl Table {
-    fn read(path: &Path) -> Result<Self, Failure> {
-        let name = path.display();
-        let refused = |reason: String| Failure::new(format_args!("{name}: {reason}"));
-        let text =
-            fs::read_to_string(path).map_err(|error| Failure::new(format_args!("cannot read {name}: {error}")))?;
-        let units: BTreeMap<&str, &str> = text
-            .lines()
-            .take_while(|line| line.starts_with('#'))
-            .filter_map(|line| line.strip_prefix("# unit of ")?.split_once(": "))
-            .collect();
-        let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-        let header = reader.headers().map_err(|error| refused(error.to_string()))?.clone();
-        let column = |name: &str| Column {
-            name: name.to_string(),
-            unit: units.get(name).unwrap_or(&"1").to_string(),
-            values: Vec::new(),
-        };
-        let mut columns: Vec<Column> = header.iter().map(column).collect();
-        for record in reader.records() {
-            let record = record.map_err(|error| refused(error.to_string()))?;
-            for (column, cell) in columns.iter_mut().zip(&record) {
-                column.values.push(cell.parse().unwrap_or(f64::NAN));
-            }
-        }
-        let rows = columns.first().map_or(0, |column| column.values.len());
-        // The index says nothing about a member, and the reason why it stopped is a text.
-        columns.retain(|column| column.name != "member" && column.finite().next().is_some());
-        if columns.is_empty() {
-            Err(refused("it has no column of numbers".to_string()))
-        } else {
-            Ok(Table { rows, columns })
-        }
-    }
-
-    fn column(&self, name: &str) -> Result<&Column, Failure> {
-        self.columns.iter().find(|column| column.name == name).ok_or_else(|| {
-            let known: Vec<String> = self.columns.iter().map(|column| column.name.clone()).collect();
-            Failure::new(format_args!("there is no column `{name}`{}", hint(name, &known, "columns")))
-        })
-    }
+/// The least and the greatest value.
+fn range(column: &Numbers) -> (f64, f64) {
+    finite(column).fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-impl Column {
-    fn finite(&self) -> impl Iterator<Item = f64> {
-        self.values.iter().copied().filter(|value| value.is_finite())
-    }
+fn differs(column: &Numbers) -> bool {
+    let (low, high) = range(column);
+    low < high
+}
 
-    /// The least and the greatest value.
-    fn range(&self) -> (f64, f64) {
-        self.finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
-    }
-
-    fn differs(&self) -> bool {
-        let (low, high) = self.range();
-        low < high
-    }
-
-    /// `height [m]`
-    fn label(&self) -> String {
-        if self.unit == "1" { self.name.clone() } else { format!("{} [{}]", self.name, self.unit) }
-    }
+/// `height [m]`
+fn label(column: &Numbers) -> String {
+    let Column { name, unit } = &column.about;
+    if unit == "1" { name.clone() } else { format!("{name} [{unit}]") }
 }
 
 /// A range of more than one number.
@@ -152,18 +124,18 @@ fn widened((low, high): (f64, f64)) -> std::ops::Range<f64> {
 }
 
 /// How many members are in each of some bins.
-fn histogram(column: &Column) -> Panel {
-    let range = widened(column.range());
-    Panel::curves([&column.label(), "members"], range, vec![Line::new("", outline(column))])
+fn histogram(column: &Numbers) -> Panel {
+    let range = widened(range(column));
+    Panel::curves([&label(column), "members"], range, vec![Line::new("", outline(column))])
 }
 
 /// The outline of bins of equal width: as many bins as the root of the members, but 60 at most.
-fn outline(column: &Column) -> Vec<(f64, f64)> {
-    let range = widened(column.range());
-    let bins = ((column.finite().count() as f64).sqrt() as usize).clamp(1, 60);
+fn outline(column: &Numbers) -> Vec<(f64, f64)> {
+    let range = widened(range(column));
+    let bins = ((finite(column).count() as f64).sqrt() as usize).clamp(1, 60);
     let width = (range.end - range.start) / bins as f64;
     let mut counts = vec![0_usize; bins];
-    column.finite().for_each(|x| counts[(((x - range.start) / width) as usize).min(bins - 1)] += 1);
+    finite(column).for_each(|x| counts[(((x - range.start) / width) as usize).min(bins - 1)] += 1);
     let edge = |k: usize| range.start + width * k as f64;
     let tops = counts.iter().enumerate().flat_map(|(k, &n)| [(edge(k), n as f64), (edge(k + 1), n as f64)]);
     [(range.start, 0.0)].into_iter().chain(tops).chain([(range.end, 0.0)]).collect()
@@ -173,17 +145,17 @@ fn outline(column: &Column) -> Vec<(f64, f64)> {
 const FAN: [(f64, &str); 5] = [(0.05, "5 %"), (0.25, "25 %"), (0.5, "median"), (0.75, "75 %"), (0.95, "95 %")];
 
 /// Quantiles of a column over another.
-fn fan(over: &Column, column: &Column) -> Panel {
+fn fan(over: &Numbers, column: &Numbers) -> Panel {
     let groups = groups(over, column);
     let line = |(probability, name): (f64, &str)| {
         Line::new(name, groups.iter().map(|(x, sorted)| (*x, quantile(sorted, probability))).collect())
     };
     let lines = FAN.map(line).into();
-    Panel::curves([&over.label(), &column.label()], widened(over.range()), lines)
+    Panel::curves([&label(over), &label(column)], widened(range(over)), lines)
 }
 
 /// The values of a column in ascending order at each value of another, or in each of twenty parts of it.
-fn groups(over: &Column, column: &Column) -> Vec<(f64, Vec<f64>)> {
+fn groups(over: &Numbers, column: &Numbers) -> Vec<(f64, Vec<f64>)> {
     const MOST_VALUES: usize = 200;
     const PARTS: usize = 20;
     let pairs = over.values.iter().copied().zip(column.values.iter().copied());
@@ -202,9 +174,9 @@ fn groups(over: &Column, column: &Column) -> Vec<(f64, Vec<f64>)> {
 }
 
 /// Members as lines through columns, one beside the other.
-fn parallel(columns: &[&Column], rows: usize) -> Panel {
+fn parallel(columns: &[&Numbers], rows: usize) -> Panel {
     const MOST_LINES: usize = 500;
-    let ranges: Vec<_> = columns.iter().map(|column| widened(column.range())).collect();
+    let ranges: Vec<_> = columns.iter().map(|column| widened(range(column))).collect();
     let place = |row: usize, k: usize| {
         (k as f64 + 1.0, (columns[k].values[row] - ranges[k].start) / (ranges[k].end - ranges[k].start))
     };
@@ -212,7 +184,7 @@ fn parallel(columns: &[&Column], rows: usize) -> Panel {
     let is_whole = |row: &usize| columns.iter().all(|column| column.values[*row].is_finite());
     let lines = (0..rows).step_by(rows.div_ceil(MOST_LINES).max(1)).filter(is_whole).map(line).collect();
     let names: Vec<String> =
-        columns.iter().enumerate().map(|(k, column)| format!("{}: {}", k + 1, column.name)).collect();
+        columns.iter().enumerate().map(|(k, column)| format!("{}: {}", k + 1, column.about.name)).collect();
     Panel::curves([&names.join(", "), "least to greatest"], 1.0..(columns.len() as f64).max(1.5), lines)
 }
 
@@ -220,8 +192,8 @@ fn parallel(columns: &[&Column], rows: usize) -> Panel {
 mod tests {
     use super::*;
 
-    fn column(name: &str, values: &[f64]) -> Column {
-        Column { name: name.to_string(), unit: "m".to_string(), values: values.to_vec() }
+    fn column(name: &str, values: &[f64]) -> Numbers {
+        Numbers { about: Column::new(name, "m"), values: values.to_vec() }
     }
 
     #[test]

@@ -2,13 +2,13 @@
 //!
 //! - [`study`]: a plan and its mechanism, and what is wrong with either;
 //! - [`names`]: the variables that a plan may fix or vary;
-//! - [`gathering`]: what is taken of each motion;
-//! - [`summary`]: what all of them say together.
+//! - [`gathering`]: what is taken of each motion.
+//!
+//! What all of them say together is a `Summary`.
 
 mod gathering;
 mod names;
 mod study;
-mod summary;
 
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -18,16 +18,17 @@ use indicatif::{ProgressBar, ProgressStyle};
 use mbs_ensemble::SweepError;
 use mbs_ensemble::design::Values;
 use mbs_ensemble::sweep::{Outcome, Share, Sweep};
-use mbs_ensemble::table::Format;
+use mbs_ensemble::table::{Format, Table};
+use mbs_native::Compilers;
 use serde_json::{Value, json};
 
 use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::output;
+use crate::summary::Summary;
 use crate::words::plural;
-use study::Study;
-use summary::Summary;
+use study::{Engine, Study};
 
 /// Integrate many motions of a mechanism, on all cores, and write what is wanted of each as a row of a table.
 ///
@@ -46,6 +47,13 @@ pub(crate) struct Arguments {
     /// On how many threads; as many as there are cores if not given.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    /// The C compiler that compiles the equations of motion; what the variables MBS_CC or CC name, or else cc, gcc or
+    /// clang, if not given. Without one, members are interpreted: the same bytes, but slower.
+    #[arg(long, value_name = "COMMAND")]
+    compiler: Option<String>,
+    /// Compile nothing: interpret.
+    #[arg(long, conflicts_with = "compiler")]
+    interpret: bool,
     /// Find what is wrong with the plan, say what it amounts to, and run nothing.
     #[arg(long)]
     dry_run: bool,
@@ -63,8 +71,9 @@ pub(crate) struct Arguments {
     /// Make the table of what all ranks have done, and run nothing.
     #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
     merge: bool,
-    /// Print means and quantiles of the quantities, with bounds at a confidence of 95 %, and with the design `saltelli`
-    /// the Sobol' indices of what varies. It keeps all numbers in memory.
+    /// Print means and quantiles of the quantities, with bounds at a confidence of 95 %, and with the designs `saltelli`
+    /// and `chaos` the Sobol' indices of what varies; of the table where it is there already. It keeps all numbers in
+    /// memory.
     #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
     summary: bool,
 }
@@ -72,27 +81,34 @@ pub(crate) struct Arguments {
 /// Reads, checks, integrates, writes.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
-    let study = Study::read(&arguments.plan, cache, &mut files)?;
+    let mut study = Study::read(&arguments.plan, cache, &mut files)?;
     let (table, format) = arguments.out.clone().unwrap_or_else(|| (study::table_of(&arguments.plan), Format::Csv));
     files.writes("--out", &table)?;
     if arguments.dry_run {
         return output::answer(|| preview_object(&study), || preview(&study));
     }
     let share = share(arguments)?;
+    let design = study.design.clone();
     let sweep = Sweep {
-        design: &study.design,
+        design: &design,
         quantities: study.columns.clone(),
         table: table.clone(),
         format,
         identity: study.identity.clone(),
     };
-    if sweep.is_finished().map_err(Failure::new)? {
-        return output::wrote(&[&table]);
+    match sweep.is_finished() {
+        Ok(false) => {}
+        Ok(true) | Err(SweepError::Exists { .. }) if arguments.summary => return summarize(&sweep, &study),
+        Ok(true) => return output::wrote(&[&table]),
+        Err(error) => return Err(Failure::new(error)),
     }
     let began = Instant::now();
     let threads = arguments.threads.map_or_else(cores, usize::from);
     let mut done = 0;
     if !arguments.merge {
+        if !arguments.interpret {
+            compile(&mut study, arguments.compiler.as_deref(), cache);
+        }
         done = integrate(&sweep, &study, share, threads)?;
     }
     let is_part = arguments.rank.is_some() || arguments.launched;
@@ -116,9 +132,31 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         let table = table.display();
         let shown = summary.as_ref().map_or(String::new(), Summary::text);
         let members = plural(outcome.members as usize, "member", "members");
-        format!("{table}: {members}, {done} by the {ENGINE} on {threads} threads in {seconds:.1} s\n{shown}")
+        let engine = study.engine().name();
+        format!("{table}: {members}, {done} by {engine} on {threads} threads in {seconds:.1} s\n{shown}")
     };
-    output::answer(|| object(&table, &outcome, summary.as_ref()), text)
+    output::answer(|| object(&table, &outcome, Some(study.engine()), summary.as_ref()), text)
+}
+
+/// What a table says that is there already, and was made of the same.
+fn summarize(sweep: &Sweep<'_>, study: &Study) -> Result<(), Failure> {
+    let (name, read) = (sweep.table.display(), Table::read(&sweep.table).map_err(Failure::new)?);
+    let differences = read.differences(&sweep.identity);
+    if !differences.is_empty() {
+        let what = differences.join(" and ");
+        return Err(Failure::new(format_args!(
+            "{name} is a table of another run: not of {what} as it is now; remove it, write to another file, or \
+             summarize it by `mbs plot {name} --summary`"
+        )));
+    }
+    let members = sweep.design.members();
+    if read.rows as u64 != members {
+        return Err(Failure::new(format_args!("{name} has {} rows, the plan has {members} members", read.rows)));
+    }
+    let summary = Summary::of(sweep.design, &study.columns).filled(&read);
+    let outcome = Outcome { members, stopped: read.stopped as u64, first_stopped: None };
+    let text = || format!("{name}: {} read\n{}", plural(read.rows, "member", "members"), summary.text());
+    output::answer(|| object(&sweep.table, &outcome, None, Some(&summary)), text)
 }
 
 /// Which members this process does.
@@ -140,16 +178,22 @@ fn share(arguments: &Arguments) -> Result<Share, Failure> {
 /// What is said of a share.
 fn answer_share(share: Share, study: &Study, done: u64) -> Result<(), Failure> {
     let members = share.members(study.design.members());
-    let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": ENGINE });
+    let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": study.engine().key() });
     let text = || {
         let (done, Share { rank, ranks }) = (plural(done as usize, "member", "members"), share);
-        format!("{done} done by rank {rank} of {ranks}; `--merge` makes the table of all\n")
+        let engine = study.engine().name();
+        format!("{done} done by rank {rank} of {ranks}, by {engine}; `--merge` makes the table of all\n")
     };
     output::answer(object, text)
 }
 
-/// What runs the equations; there is no other yet.
-const ENGINE: &str = "interpreter";
+/// Compiles the equations; why that cannot be is no error: they are interpreted then.
+fn compile(study: &mut Study, compiler: Option<&str>, cache: &Cache) {
+    let compilers = compiler.map_or_else(Compilers::of_environment, Compilers::named);
+    if let Err(reason) = study.compile(&compilers, cache) {
+        output::warn(format_args!("{reason}; members are interpreted, which takes longer"));
+    }
+}
 
 fn cores() -> usize {
     std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
@@ -172,13 +216,15 @@ fn integrate(sweep: &Sweep<'_>, study: &Study, share: Share, threads: usize) -> 
     })
 }
 
-fn object(table: &Path, outcome: &Outcome, summary: Option<&Summary>) -> Value {
-    let mut object = json!({
-        "written": [table.display().to_string()],
-        "members": outcome.members,
-        "stopped": outcome.stopped,
-        "engine": ENGINE,
-    });
+/// What was written by an engine, or read.
+fn object(table: &Path, outcome: &Outcome, engine: Option<Engine>, summary: Option<&Summary>) -> Value {
+    let file = table.display().to_string();
+    let mut object = match engine {
+        Some(engine) => json!({ "written": [file], "engine": engine.key() }),
+        None => json!({ "read": file }),
+    };
+    object["members"] = outcome.members.into();
+    object["stopped"] = outcome.stopped.into();
     if let Some(summary) = summary {
         object["summary"] = summary.object();
     }

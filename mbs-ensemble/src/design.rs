@@ -12,6 +12,7 @@ use crate::distribution::{Distribution, standard};
 use crate::fault::{Fault, Faults};
 use crate::plan::{Amount, Located, Named, Plan, Spread};
 use crate::sequence::{Kind, Purpose, Sequence, random};
+use crate::statistics::chaos::nodes;
 use crate::vocabulary::Vocabulary;
 
 /// What varies: its name, its unit, and how.
@@ -78,6 +79,8 @@ pub struct Design {
     sequence: Sequence,
     /// The lower factor of the correlations of what is drawn, if any.
     factor: Option<DMatrix<f64>>,
+    /// Of the design `chaos`: the degree of its polynomials, and the values of each variable.
+    rules: Option<(usize, Vec<Vec<f64>>)>,
 }
 
 /// One member.
@@ -120,10 +123,14 @@ impl Plan {
         let points = variables.iter().filter_map(|v| v.spread.count()).try_fold(1_u64, u64::checked_mul);
         let drawn = variables.iter().filter(|variable| matches!(variable.spread, Values::Drawn(_))).count();
         let rows = self.members.as_ref().map_or(1, |members| members.value);
-        if self.kind == Kind::Saltelli {
+        if matches!(self.kind, Kind::Saltelli | Kind::Chaos) {
             resolver.check_rows(self, &variables);
         }
-        let draws = rows.checked_mul(Sequence::row(self.kind, drawn));
+        let rules = resolver.rules(self, &variables);
+        let draws = match &rules {
+            None => rows.checked_mul(Sequence::row(self.kind, drawn)),
+            Some((_, rules)) => rules.iter().try_fold(1_u64, |product, rule| product.checked_mul(rule.len() as u64)),
+        };
         if let (Some(members), true) = (&self.members, drawn == 0 && !variables.is_empty()) {
             let message = "nothing is drawn: the grid alone says how many members there are";
             resolver.faults.push(Fault::new(members.span.clone(), message));
@@ -142,7 +149,7 @@ impl Plan {
         let fixed = fixed.into_iter().flatten().collect();
         Faults::finish(
             resolver.faults,
-            Design { variables, fixed, seed: self.seed, kind: self.kind, draws, points, sequence, factor },
+            Design { variables, fixed, seed: self.seed, kind: self.kind, draws, points, sequence, factor, rules },
         )
     }
 }
@@ -156,6 +163,20 @@ impl Design {
     /// How what is drawn fills its space.
     pub fn kind(&self) -> Kind {
         self.kind
+    }
+
+    /// The degree of the polynomials of the design `chaos`; `None` of others.
+    pub fn degree(&self) -> Option<usize> {
+        self.rules.as_ref().map(|(degree, _)| *degree)
+    }
+
+    /// The distributions of what is drawn, in the order of the plan.
+    pub fn distributions(&self) -> Vec<Distribution> {
+        let drawn = self.variables.iter().filter_map(|variable| match variable.spread {
+            Values::Drawn(distribution) => Some(distribution),
+            _ => None,
+        });
+        drawn.collect()
     }
 
     /// What all random numbers come from.
@@ -194,11 +215,19 @@ impl Design {
 
     /// What is drawn, in the order of the plan.
     fn drawn(&self, draw: u64) -> Vec<f64> {
+        if let Some((_, rules)) = &self.rules {
+            // The last variable changes first.
+            let mut rest = draw;
+            let mut values: Vec<f64> = Vec::new();
+            for rule in rules.iter().rev() {
+                values.push(rule[(rest % rule.len() as u64) as usize]);
+                rest /= rule.len() as u64;
+            }
+            values.reverse();
+            return values;
+        }
         let point = self.sequence.point(draw);
-        let distributions = self.variables.iter().filter_map(|variable| match variable.spread {
-            Values::Drawn(distribution) => Some(distribution),
-            _ => None,
-        });
+        let distributions = self.distributions().into_iter();
         let Some(factor) = &self.factor else {
             return distributions.zip(point).map(|(distribution, p)| distribution.quantile(p)).collect();
         };
@@ -296,15 +325,42 @@ impl Resolver<'_> {
         Some(Variable { name: entry.name.value.clone(), unit, spread })
     }
 
+    /// The degree of the design `chaos`, and the values of each variable.
+    fn rules(&mut self, plan: &Plan, variables: &[Variable]) -> Option<(usize, Vec<Vec<f64>>)> {
+        /// Without a degree.
+        const DEGREE: u64 = 3;
+        /// Polynomials of a higher degree oscillate more than any quantity.
+        const MOST: u64 = 30;
+        if plan.kind != Kind::Chaos {
+            let degree = plan.degree.as_ref()?;
+            return self.fault(Fault::new(degree.span.clone(), "a degree is that of the design `chaos`"));
+        }
+        if let Some(members) = &plan.members {
+            let message = "the degree of the design `chaos` says how many members there are";
+            self.faults.push(Fault::new(members.span.clone(), message));
+        }
+        let degree = plan.degree.as_ref().map_or(DEGREE, |degree| degree.value);
+        if let (Some(given), true) = (&plan.degree, degree > MOST) {
+            let message = format!("the degree is {MOST} at most, it is {degree}");
+            return self.fault(Fault::new(given.span.clone(), message));
+        }
+        let rule = |variable: &Variable| match &variable.spread {
+            Values::Drawn(distribution) => Some(nodes(distribution, degree as usize)),
+            _ => None,
+        };
+        Some((degree as usize, variables.iter().filter_map(rule).collect()))
+    }
+
     /// For Sobol' indices variables are independent, and all of them drawn.
     fn check_rows(&mut self, plan: &Plan, variables: &[Variable]) {
+        let kind = plan.kind.name();
         if let Some(correlation) = plan.correlation.first() {
-            let message = "the design `saltelli` is for independent variables, these are correlated";
+            let message = format!("the design `{kind}` is for independent variables, these are correlated");
             self.faults.push(Fault::new(correlation.of[0].span.clone(), message));
         }
         for (entry, variable) in plan.vary.iter().zip(variables) {
             if variable.spread.count().is_some() {
-                let message = format!("the design `saltelli` draws all variables, `{}` is a grid", variable.name);
+                let message = format!("the design `{kind}` draws all variables, `{}` is a grid", variable.name);
                 self.faults.push(Fault::new(entry.value.span.clone(), message));
             }
         }
@@ -396,6 +452,15 @@ mod tests {
         check("[vary]\nmm = { uniform = [0, 1] }", "p:2:1: there is no variable `mm`; did you mean `m`?\n");
         check("[vary]\nm = { uniform = [2, 1] }", "p:2:5: `m`: the lowest value must be below the highest\n");
         check("[vary]\nm = { normal = [2, \"1 s\"] }", "p:2:20: \"1 s\": write a number in kg\n");
+        check("degree = 3\n[vary]\nm = { uniform = [0, 1] }", "p:1:10: a degree is that of the design `chaos`\n");
+        check(
+            "members = 5\ndesign = \"chaos\"\n[vary]\nm = { uniform = [0, 1] }",
+            "p:1:11: the degree of the design `chaos` says how many members there are\n",
+        );
+        check(
+            "design = \"chaos\"\ndegree = 31\n[vary]\nm = { values = [0, 1] }",
+            "p:4:5: the design `chaos` draws all variables, `m` is a grid\np:2:10: the degree is 30 at most, it is 31\n",
+        );
         check("[fixed]\nm = 1\n[vary]\nm = { uniform = [0, 1] }", "p:2:1: `m` is fixed here and varies in [vary]\n");
         check(
             "members = 3\n[vary]\nm = { values = [0, 1] }",
@@ -410,6 +475,15 @@ mod tests {
             &format!("correlation = [[\"m\", \"c\", 0.1]]\n{one}"),
             "p:1:22: there is no drawn variable `c`; one of `m`, `k`, `x`\n",
         );
+    }
+
+    #[test]
+    fn chaos_is_a_grid_of_gauss_rules() {
+        let text = "design = \"chaos\"\ndegree = 2\n[vary]\nm = { uniform = [0, 1] }\nx = { normal = [1, 2] }";
+        let design = design(text).unwrap();
+        assert_eq!((design.members(), design.degree()), (9, Some(2)));
+        let expected = crate::statistics::chaos::grid(&design.distributions(), 2);
+        assert_eq!((0..9).map(|index| design.values(index)).collect::<Vec<_>>(), expected);
     }
 
     #[test]

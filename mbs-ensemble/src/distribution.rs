@@ -113,6 +113,45 @@ impl Distribution {
             _ => self.quantile(standard().cdf(deviate)),
         }
     }
+
+    /// The value that a plain number stands for, on which polynomials are orthonormal: from −1 to 1 where the
+    /// distribution has bounds, else as many deviations from the mean, or of the logarithm.
+    ///
+    /// ```
+    /// use mbs_ensemble::Distribution;
+    /// let uniform = Distribution::Uniform { low: 2.0, high: 4.0 };
+    /// assert_eq!((uniform.at_germ(-1.0), uniform.germ(3.5), uniform.slope_at_germ(0.0)), (2.0, 0.5, 1.0));
+    /// ```
+    pub fn at_germ(&self, germ: f64) -> f64 {
+        match *self {
+            Distribution::Normal { .. } | Distribution::Lognormal { .. } => self.at_deviate(germ),
+            Distribution::Uniform { low, high }
+            | Distribution::Triangular { low, high, .. }
+            | Distribution::TruncatedNormal { low, high, .. } => (low + high) / 2.0 + (high - low) / 2.0 * germ,
+        }
+    }
+
+    /// The number that stands for a value: the inverse of [`at_germ`](Self::at_germ).
+    pub fn germ(&self, value: f64) -> f64 {
+        match *self {
+            Distribution::Normal { mean, deviation } => (value - mean) / deviation,
+            Distribution::Lognormal { median, deviation } => (value / median).ln() / deviation,
+            Distribution::Uniform { low, high }
+            | Distribution::Triangular { low, high, .. }
+            | Distribution::TruncatedNormal { low, high, .. } => (2.0 * value - low - high) / (high - low),
+        }
+    }
+
+    /// How much the value grows with the number that stands for it.
+    pub fn slope_at_germ(&self, germ: f64) -> f64 {
+        match *self {
+            Distribution::Normal { deviation, .. } => deviation,
+            Distribution::Lognormal { deviation, .. } => deviation * self.at_germ(germ),
+            Distribution::Uniform { low, high }
+            | Distribution::Triangular { low, high, .. }
+            | Distribution::TruncatedNormal { low, high, .. } => (high - low) / 2.0,
+        }
+    }
 }
 
 /// Mean 0, deviation 1.

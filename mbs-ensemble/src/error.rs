@@ -37,6 +37,14 @@ pub enum SweepError {
         /// The table.
         path: PathBuf,
     },
+    /// A file is no table, or not the one that is wanted.
+    #[error("{}: {reason}", path.display())]
+    Table {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        reason: String,
+    },
     /// Members that nobody has done.
     #[error("members {first} to {last} are missing")]
     Missing {
@@ -50,6 +58,10 @@ pub enum SweepError {
 impl SweepError {
     pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
         SweepError::Io { action, path: path.to_path_buf(), source }
+    }
+
+    pub(crate) fn table(path: &Path, reason: &str) -> Self {
+        SweepError::Table { path: path.to_path_buf(), reason: reason.to_string() }
     }
 
     pub(crate) fn changed(folder: &Path, names: &[String]) -> Self {

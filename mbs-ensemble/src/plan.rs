@@ -4,7 +4,7 @@
 //! mechanism = "pendulum.mbs"     # a path from the plan
 //! members = 1000                 # how often what is drawn is drawn
 //! seed = 1
-//! design = "latin-hypercube"     # or "random", "sobol", "saltelli"
+//! design = "latin-hypercube"     # or "random", "sobol", "saltelli", "chaos"
 //!
 //! [parameters]                   # what formulas of inputs need and the mechanism does not have
 //! gain = "2 N*m/rad"
@@ -197,6 +197,8 @@ pub struct Plan {
     pub seed: u64,
     /// How what is drawn fills its space.
     pub kind: Kind,
+    /// The degree of the polynomials of the design `chaos`.
+    pub degree: Option<Located<u64>>,
     /// Parameters that the mechanism does not have, for formulas of inputs and signals: `gain = "20 N/rad"`.
     pub parameters: Vec<Named<Located<Amount>>>,
     /// Values that all members share.

@@ -18,11 +18,14 @@ pub enum Kind {
     /// Rows of points between which one coordinate changes, for Sobol' indices: see
     /// [`sensitivity`](crate::statistics::sensitivity).
     Saltelli,
+    /// Gauss' rules, each value of a variable with each of the others: see [`chaos`](crate::statistics::chaos). It is
+    /// no sequence: the points are those of the distributions.
+    Chaos,
 }
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Kind; 4] = [Kind::Random, Kind::LatinHypercube, Kind::Sobol, Kind::Saltelli];
+    pub const ALL: [Kind; 5] = [Kind::Random, Kind::LatinHypercube, Kind::Sobol, Kind::Saltelli, Kind::Chaos];
 
     /// As a plan writes it.
     pub fn name(self) -> &'static str {
@@ -31,6 +34,7 @@ impl Kind {
             Kind::LatinHypercube => "latin-hypercube",
             Kind::Sobol => "sobol",
             Kind::Saltelli => "saltelli",
+            Kind::Chaos => "chaos",
         }
     }
 }
@@ -112,7 +116,7 @@ impl Sequence {
         let of_sobol = if kind == Kind::Saltelli { 2 * dimensions } else { dimensions };
         let mut words = || (0..of_sobol).map(|_| whole.next_u64()).collect();
         let method = match kind {
-            Kind::Random => Method::Random,
+            Kind::Random | Kind::Chaos => Method::Random,
             Kind::LatinHypercube => Method::LatinHypercube { keys: words() },
             Kind::Sobol | Kind::Saltelli if of_sobol > Self::MOST_DIMENSIONS => return None,
             Kind::Sobol | Kind::Saltelli => {

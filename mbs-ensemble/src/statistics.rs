@@ -4,8 +4,11 @@
 //! - [`quantile`], [`quantile_interval`]: quantiles, with bounds that assume nothing of the distribution;
 //! - [`convergence`]: how the mean settles;
 //! - [`sensitivity`]: which variable how much of the variance comes from;
+//! - [`chaos`]: a quantity as a polynomial of few variables, by [`orthogonal`] ones;
 //! - [`rare`]: probabilities of what hardly any member does.
 
+pub mod chaos;
+pub mod orthogonal;
 pub mod rare;
 pub mod sensitivity;
 

@@ -10,6 +10,9 @@ use crate::journal::{Identity, Row};
 
 #[cfg(feature = "parquet")]
 mod parquet;
+mod reading;
+
+pub use reading::{Numbers, Table};
 
 /// A column with its unit.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -18,7 +18,7 @@ use pyo3::types::{PyDict, PyList};
 use crate::array::{self, Input};
 use crate::engine::{Engine, Values};
 use crate::function::{self, Function};
-use crate::native::{self, Library};
+use crate::native;
 use crate::{ModelError, builder, guarded, refused};
 
 /// A mechanism with values for its parameters.
@@ -111,7 +111,7 @@ impl Core {
         let derivation = analysis.into_programs();
         let (library, reason) = match backend {
             Backend::Interpreter => (None, Some("the interpreter was asked for".to_string())),
-            Backend::Auto | Backend::C => match Library::of(&derivation) {
+            Backend::Auto | Backend::C => match native::library(&derivation) {
                 Ok(library) => (Some(library), None),
                 Err(reason) => (None, Some(reason)),
             },

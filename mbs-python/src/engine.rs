@@ -5,14 +5,17 @@ use std::thread;
 
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::Derivation;
+use mbs_native::{Instance, Library};
 use pyo3::prelude::*;
 
 use crate::function::Argument;
-use crate::native::Library;
 use crate::refused;
 
 /// Numbers of each argument of a function, and how many further those of the next state are: 0 where all share them.
 pub(crate) type Arguments<'a> = [(&'a [f64], usize)];
+
+/// Arguments of a function, at most.
+const MOST: usize = 8;
 
 /// How many threads may be used; 0: as many as the machine has.
 static THREADS: AtomicUsize = AtomicUsize::new(0);
@@ -40,7 +43,7 @@ pub(crate) fn threads() -> usize {
 /// Parameters, and what compiled code makes of them.
 pub(crate) struct Values {
     pub(crate) parameters: Vec<f64>,
-    own: Vec<u64>,
+    instance: Option<Instance>,
 }
 
 /// Programs, and compiled code of them where there is some.
@@ -59,8 +62,8 @@ impl Engine {
 
     /// With these parameters, which have been looked at.
     pub(crate) fn values(&self, parameters: Vec<f64>) -> Values {
-        let own = self.library.as_ref().map_or(Vec::new(), |library| library.constructed(&parameters));
-        Values { parameters, own }
+        let instance = self.library.as_ref().and_then(|library| library.instance(&parameters).ok());
+        Values { parameters, instance }
     }
 
     /// Whether the function with this number is compiled.
@@ -122,9 +125,17 @@ impl Engine {
         count: usize,
         results: &mut [&mut [f64]],
     ) {
-        let compiled = self.library.as_ref();
-        if compiled.is_some_and(|library| library.run(number, &values.own, arguments, first, count, results)) {
-            return;
+        if let Some(instance) = &values.instance
+            && instance.has(number)
+        {
+            let mut operands: [(&[f64], usize); MOST] = [(&[], 0); MOST];
+            for (operand, (data, stride)) in operands.iter_mut().zip(arguments) {
+                *operand = (&data[(first * stride).min(data.len())..], *stride);
+            }
+            // What does not fit has been refused before; the interpreter would say where.
+            if instance.call(number, &operands[..arguments.len()], count, results).is_ok() {
+                return;
+            }
         }
         let (derivation, function) = (&self.derivation, &self.derivation.functions[number]);
         let interpreter = Interpreter::with_parameters(derivation, values.parameters.clone());

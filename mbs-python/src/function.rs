@@ -2,44 +2,14 @@
 
 use std::sync::{Arc, RwLock};
 
-use mbs_derive::optimise::{self, Derivation, FunctionKind, Shape};
-use mbs_derive::variable::component_names;
+use mbs_derive::optimise::{FunctionKind, Shape};
+pub(crate) use mbs_native::{Argument, arguments};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::array::{self, Input};
 use crate::engine::{Engine, Values};
 use crate::{guarded, refused};
-
-/// One argument of a function.
-pub(crate) struct Argument {
-    pub(crate) name: &'static str,
-    /// Behind the leading axes.
-    pub(crate) shape: Vec<usize>,
-}
-
-impl Argument {
-    pub(crate) fn count(&self) -> usize {
-        self.shape.iter().product()
-    }
-}
-
-/// What the function with this number takes, in the order of the generated Rust and C.
-pub(crate) fn arguments(derivation: &Derivation, number: usize) -> Vec<Argument> {
-    let signals = component_names(&derivation.prescribed).len();
-    let time = derivation.depends_on_time.then_some(("t", Vec::new()));
-    let prescribed = (signals > 0).then_some(("prescribed", vec![signals, 3]));
-    let declared = derivation.functions[number].arguments.iter().map(|argument| match argument {
-        optimise::Argument::Q => ("q", derivation.dof()),
-        optimise::Argument::Qd => ("qd", derivation.dof()),
-        optimise::Argument::Qdd => ("qdd", derivation.dof()),
-        optimise::Argument::U => ("u", component_names(&derivation.inputs).len()),
-        optimise::Argument::Multipliers => ("multipliers", derivation.constraints.len()),
-    });
-    let declared = declared.filter(|(_, count)| *count > 0).map(|(name, count)| (name, vec![count]));
-    let all = time.into_iter().chain(prescribed).chain(declared);
-    all.map(|(name, shape)| Argument { name, shape }).collect()
-}
 
 /// The axes of a result behind the leading ones.
 pub(crate) fn axes(shape: Shape) -> Vec<usize> {

@@ -2,7 +2,7 @@
 //!
 //! - [`core`]: a mechanism from its text, file or calls, and its parameters;
 //! - [`builder`]: calls recorded by Python, made anew on `mbs_derive::builder`;
-//! - [`native`]: functions compiled by a C compiler at run time, and kept; unsafe, because it calls them;
+//! - [`native`]: where functions are kept that a C compiler makes at run time (`mbs_native`);
 //! - [`engine`]: one function at one state or many, compiled or interpreted, on several threads;
 //! - [`function`]: what Python calls: shapes, broadcasting, results;
 //! - [`array`]: NumPy's memory; unsafe, because NumPy shares it;

@@ -257,11 +257,22 @@ fn the_manual_says_what_each_function_is() {
 
 /// Sources that are written by hand, below the folders of the workspace's members.
 fn written_by_hand() -> Vec<PathBuf> {
-    ["mbs-derive", "mbs-runtime", "mbs-chart", "mbs-ensemble", "mbs-cli", "models", "tests", "examples", "benches"]
-        .iter()
-        .flat_map(|folder| sources(&Path::new(ROOT).join(folder)))
-        .filter(|file| !file.iter().any(|part| part == "target"))
-        .collect()
+    [
+        "mbs-derive",
+        "mbs-runtime",
+        "mbs-chart",
+        "mbs-ensemble",
+        "mbs-native",
+        "mbs-cli",
+        "models",
+        "tests",
+        "examples",
+        "benches",
+    ]
+    .iter()
+    .flat_map(|folder| sources(&Path::new(ROOT).join(folder)))
+    .filter(|file| !file.iter().any(|part| part == "target"))
+    .collect()
 }
 
 #[test]

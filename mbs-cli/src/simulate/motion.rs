@@ -174,10 +174,9 @@ impl<'a, 'd> Run<'a, 'd> {
         let mut progress = if self.is_attended { Progress::new(start, end) } else { Progress::unseen(start, end) };
         let accelerations = |t: f64, q: &Vec<f64>, qd: &Vec<f64>, qdd: &mut Vec<f64>| {
             progress.at(t);
-            match solver.accelerations(&equations.state(t, q, qd)) {
-                Ok(found) => qdd.copy_from_slice(&found),
-                // The method tries shorter steps; what is wrong is said where there is no way on.
-                Err(_) => qdd.fill(f64::NAN),
+            // The method tries shorter steps; what is wrong is said where there is no way on.
+            if equations.at(t, q, qd, |state| solver.put_accelerations(state, qdd)).is_err() {
+                qdd.fill(f64::NAN);
             }
         };
         let observer = |step: &mut dyn Step<Vec<f64>>| {

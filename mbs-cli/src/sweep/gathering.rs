@@ -3,6 +3,7 @@
 //! Extrema are looked for at nine places of each step of the integrator, on its dense output, and then bracketed; means
 //! are Simpson's rule over these places. So both are as good as the motion itself, without an interval to choose.
 
+use mbs_derive::interpret::State;
 use mbs_derive::optimise::FunctionKind;
 use mbs_ensemble::plan::{Direction, Reduction};
 use mbs_runtime::{Event, Response};
@@ -35,10 +36,13 @@ impl Formula {
     }
 
     fn value(self, equations: &Equations<'_>, t: f64, moving: &Moving) -> f64 {
-        let state = equations.state(t, &moving.q, &moving.qd);
-        let energy = |kind| equations.call(kind, &state)[0];
+        equations.at(t, &moving.q, &moving.qd, |state| self.of(equations, state))
+    }
+
+    fn of(self, equations: &Equations<'_>, state: &State) -> f64 {
+        let energy = |kind| equations.scalar(kind, state);
         match self {
-            Formula::Function(number) => equations.evaluate_number(number, &state),
+            Formula::Function(number) => equations.evaluate_number(number, state),
             Formula::KineticEnergy => energy(FunctionKind::KineticEnergy),
             Formula::PotentialEnergy => energy(FunctionKind::PotentialEnergy),
             Formula::Energy => energy(FunctionKind::KineticEnergy) + energy(FunctionKind::PotentialEnergy),
@@ -67,7 +71,10 @@ impl Wanted {
 
     /// Its value at a time, which must be a number.
     fn at(&self, equations: &Equations<'_>, t: f64, moving: &Moving) -> Result<f64, String> {
-        let value = self.formula.value(equations, t, moving);
+        self.finite(t, self.formula.value(equations, t, moving))
+    }
+
+    fn finite(&self, t: f64, value: f64) -> Result<f64, String> {
         if value.is_finite() { Ok(value) } else { Err(format!("`{}` is {value:?} at t = {t:?}", self.name)) }
     }
 }
@@ -171,9 +178,13 @@ impl Onlooker for Gathering<'_, '_> {
         let mut values = vec![[0.0; PARTS + 1]; self.wanted.len()];
         for k in 0..=PARTS {
             inside(time(k), &mut self.moving)?;
-            for (wanted, values) in self.wanted.iter().zip(&mut values).filter(|(wanted, _)| looks(wanted)) {
-                values[k] = wanted.at(self.equations, time(k), &self.moving)?;
-            }
+            let (equations, wanted) = (self.equations, self.wanted.iter().zip(&mut values));
+            equations.at(time(k), &self.moving.q, &self.moving.qd, |state| {
+                wanted.filter(|(wanted, _)| looks(wanted)).try_for_each(|(wanted, values)| {
+                    values[k] = wanted.finite(time(k), wanted.formula.of(equations, state))?;
+                    Ok::<(), String>(())
+                })
+            })?;
         }
         for (number, values) in values.iter().enumerate() {
             match self.wanted[number].reduction {

@@ -16,11 +16,12 @@ use mbs_ensemble::journal::{Identity, digest};
 use mbs_ensemble::plan::{Amount, Direction, Located, Named, Reduction};
 use mbs_ensemble::table::Column;
 use mbs_ensemble::{Design, Fault, Faults, Member, Motion, Plan};
+use mbs_native::{Compilers, NotCompiled};
 
 use super::gathering::{Formula, Wanted, quantities};
 use super::names::{Names, Slot};
 use crate::cache::Cache;
-use crate::equations::{Equations, Redundant};
+use crate::equations::{Equations, Native, Redundant};
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::mechanism;
@@ -63,6 +64,33 @@ impl Text {
     }
 }
 
+/// What runs the equations of motion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Engine {
+    /// Code of a C compiler.
+    Compiled,
+    /// The interpreter of the generator.
+    Interpreter,
+}
+
+impl Engine {
+    /// In a sentence: members done by …
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Engine::Compiled => "compiled code",
+            Engine::Interpreter => "the interpreter",
+        }
+    }
+
+    /// In JSON.
+    pub(super) fn key(self) -> &'static str {
+        match self {
+            Engine::Compiled => "compiled",
+            Engine::Interpreter => "interpreter",
+        }
+    }
+}
+
 /// What is integrated, for each member from its own values.
 pub(super) struct Study {
     pub(super) design: Design,
@@ -78,6 +106,8 @@ pub(super) struct Study {
     wanted: Vec<Wanted>,
     until: Option<(Formula, Direction)>,
     duration: f64,
+    /// Its compiled functions; they are interpreted without.
+    native: Option<Native>,
 }
 
 impl Study {
@@ -88,6 +118,17 @@ impl Study {
         let plan = Plan::read(&text.text).map_err(|faults| text.refused(&faults))?;
         let folder = path.parent().unwrap_or(Path::new(""));
         Reading { text: &text, plan: &plan, folder }.study(cache, files)
+    }
+
+    /// Compiles what members ask for; what is wrong where that cannot be, and members are interpreted as before.
+    pub(super) fn compile(&mut self, compilers: &Compilers, cache: &Cache) -> Result<(), NotCompiled> {
+        self.native = Some(Native::compiled(&self.derivation, compilers, cache)?);
+        Ok(())
+    }
+
+    /// What runs the equations.
+    pub(super) fn engine(&self) -> Engine {
+        if self.native.is_some() { Engine::Compiled } else { Engine::Interpreter }
     }
 
     /// The state and the parameters that a member starts with.
@@ -104,7 +145,10 @@ impl Motion for Study {
     fn quantities(&self, member: &Member) -> Result<Vec<f64>, String> {
         let point = self.point(&member.values);
         let equations = Equations::new(&self.derivation, &point).map_err(|failure| failure.text())?;
-        let equations = equations.with_driven(self.driven.clone());
+        let mut equations = equations.with_driven(self.driven.clone());
+        if let Some(native) = &self.native {
+            equations = equations.with_native(native).map_err(|failure| failure.text())?;
+        }
         let run = Run { equations: &equations, settings: &self.settings, is_attended: false };
         quantities(run, point.state.t + self.duration, &self.wanted, self.until)
     }
@@ -176,8 +220,20 @@ impl Reading<'_> {
         let driven = drives.resolved(&derivation, (base.state.t, base.state.t + duration))?;
         let tables = inputs.iter().chain(&signals).filter_map(Drive::table);
         let identity = self.identity(&original, tables)?;
-        let study =
-            Study { design, columns, identity, derivation, slots, base, settings, driven, wanted, until, duration };
+        let study = Study {
+            design,
+            columns,
+            identity,
+            derivation,
+            slots,
+            base,
+            settings,
+            driven,
+            wanted,
+            until,
+            duration,
+            native: None,
+        };
         self.check_members(&study)?;
         Ok(study)
     }

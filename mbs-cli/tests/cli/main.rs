@@ -3,6 +3,7 @@
 mod book;
 mod cache;
 mod check;
+mod compiled;
 mod constrained;
 mod derive;
 mod eval;

@@ -63,6 +63,7 @@ impl Reader {
         let members = section.get("members").and_then(|value| self.count(value));
         let seed = section.get("seed").and_then(|value| self.natural(value)).map_or(0, |seed| seed.value);
         let kind = section.get("design").and_then(|value| self.kind(value)).unwrap_or_default();
+        let degree = section.get("degree").and_then(|value| self.count(value));
         let parameters = self.entries(section.get("parameters"), Self::amount);
         let fixed = self.entries(section.get("fixed"), Self::amount);
         let vary = self.entries(section.get("vary"), |reader, value| {
@@ -80,6 +81,7 @@ impl Reader {
             members,
             seed,
             kind,
+            degree,
             parameters,
             fixed,
             vary,

@@ -2,17 +2,22 @@
 
 use std::fs::File;
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
-use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
+use super::reading::Table;
 use super::{Column, Identity, Row, Sink, metadata};
+use crate::error::SweepError;
 
 /// Rows of a row group.
 const GROUP: usize = 1 << 16;
@@ -93,5 +98,90 @@ impl Sink for Parquet {
         }
         let file = self.writer.into_inner().map_err(io::Error::other)?;
         file.sync_all()
+    }
+}
+
+/// Reads a table: its columns of numbers, whoever wrote it.
+pub(super) fn read(path: &Path) -> Result<Table, SweepError> {
+    let file = File::open(path).map_err(|error| SweepError::io("read", path, error))?;
+    read_from(file).map_err(|error| SweepError::table(path, &error.to_string()))
+}
+
+fn read_from(file: File) -> Result<Table, ParquetError> {
+    let reader = SerializedFileReader::new(file)?;
+    let about = reader.metadata().file_metadata();
+    let pairs = about.key_value_metadata().into_iter().flatten();
+    let pairs = pairs.filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?))).collect();
+    let names: Vec<String> = about.schema_descr().columns().iter().map(|column| column.name().to_string()).collect();
+    let mut values = vec![Vec::new(); names.len()];
+    let mut stopped = 0;
+    for group in 0..reader.num_row_groups() {
+        let group = reader.get_row_group(group)?;
+        let rows = group.metadata().num_rows() as usize;
+        for (number, values) in values.iter_mut().enumerate() {
+            match group.get_column_reader(number)? {
+                ColumnReader::DoubleColumnReader(column) => values.extend(numbers(column, rows, |x| *x)?),
+                ColumnReader::FloatColumnReader(column) => values.extend(numbers(column, rows, |x| f64::from(*x))?),
+                ColumnReader::Int32ColumnReader(column) => values.extend(numbers(column, rows, |x| f64::from(*x))?),
+                ColumnReader::Int64ColumnReader(column) => values.extend(numbers(column, rows, |x| *x as f64)?),
+                ColumnReader::ByteArrayColumnReader(column) if names[number] == "stopped" => {
+                    stopped += numbers(column, rows, |_| 1.0)?.into_iter().filter(|value| *value == 1.0).count();
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(Table::of(names, values, stopped, pairs))
+}
+
+/// The numbers of a column of one row group, NaN where it is null.
+fn numbers<T: DataType>(
+    mut column: ColumnReaderImpl<T>,
+    rows: usize,
+    number: impl Fn(&T::T) -> f64,
+) -> Result<Vec<f64>, ParquetError> {
+    let (mut found, mut levels) = (Vec::new(), Vec::new());
+    // The levels stay empty where a column has no nulls.
+    let (records, _, _) = column.read_records(rows, Some(&mut levels), None, &mut found)?;
+    if records != rows {
+        return Err(ParquetError::EOF(format!("{rows} rows are promised, {records} are there")));
+    }
+    let mut present = found.iter().map(number);
+    if levels.is_empty() {
+        return Ok(present.collect());
+    }
+    Ok(levels.iter().map(|level| if *level > 0 { present.next().unwrap_or(f64::NAN) } else { f64::NAN }).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// More rows than a row group has, some without a number.
+    #[test]
+    fn what_is_written_is_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.parquet");
+        let columns = [Column::new("x", "m"), Column::new("y", "1")];
+        let identity = Identity::new([("plan", "p".to_string())]);
+        let mut sink = Box::new(Parquet::new(File::create(&path).unwrap(), &columns, &identity).unwrap());
+        let count = GROUP as u64 + 10;
+        let y = |index: u64| if index.is_multiple_of(3) { f64::NAN } else { index as f64 / 7.0 };
+        for index in 0..count {
+            let stopped = index.is_multiple_of(3).then(|| "it \"fell\"".to_string());
+            sink.row(index, &[index as f64], &Row { quantities: vec![y(index)], stopped }).unwrap();
+        }
+        sink.finish().unwrap();
+        let table = Table::read(&path).unwrap();
+        assert_eq!((table.rows as u64, table.stopped as u64), (count, count.div_ceil(3)));
+        assert!(table.differences(&identity).is_empty());
+        let [x, found] = &table.columns[..] else { panic!("{:?}", table.columns.len()) };
+        assert_eq!((&x.about, &found.about), (&columns[0], &columns[1]));
+        for index in 0..count {
+            assert_eq!(x.values[index as usize], index as f64);
+            assert_eq!(found.values[index as usize].to_bits(), y(index).to_bits(), "{index}");
+        }
+        std::fs::write(&path, "no table").unwrap();
+        assert!(Table::read(&path).unwrap_err().to_string().contains("table.parquet: "));
     }
 }
