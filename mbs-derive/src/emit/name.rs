@@ -148,8 +148,11 @@ impl Scope {
 
     /// The name, if it is free; taken from now on.
     pub(super) fn exactly(&mut self, name: &str) -> Option<String> {
-        let free = identifier(name) == name && !self.taken.contains(name);
-        free.then(|| self.unique(name))
+        let is_free = !self.taken.contains(name) && identifier(name) == name;
+        is_free.then(|| {
+            self.taken.insert(name.to_string());
+            name.to_string()
+        })
     }
 }
 

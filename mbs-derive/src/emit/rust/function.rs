@@ -147,7 +147,7 @@ fn in_shape(routine: &Routine) -> Vec<String> {
     parts.map(|((_, shape), values)| shaped(*shape, &mut values.iter())).collect()
 }
 
-/// A matrix of so many columns.
+/// A matrix of this many columns.
 fn rows(values: &[String], columns: usize) -> String {
     array_of(&values.chunks(columns).map(array_of).collect::<Vec<_>>())
 }
