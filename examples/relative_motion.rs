@@ -13,7 +13,7 @@ mod sensitivity;
 use mbs_examples::relative_motion::cases::{self, Case};
 use mbs_examples::relative_motion::figures;
 use mbs_examples::relative_motion::flight::Flight;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
