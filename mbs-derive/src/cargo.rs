@@ -175,7 +175,8 @@ impl Config {
     }
 
     /// Generates every `.mbs` file of a folder, sorted by name, and `mechanisms.rs`, which includes them all, lists
-    /// their texts, with what they import put in place, in `SOURCES` and their code in `GENERATED`, and hands every mechanism to a macro of your choice:
+    /// their texts, with what they import put in place, in `SOURCES` and their code in `GENERATED`, and hands every
+    /// mechanism to a macro of your choice:
     /// `for_each_mechanism!(callback)` becomes `callback! { cart_pole CartPole 2 1 0; … }`, module, type, numbers of
     /// coordinates, of inputs and of constraint rows; those that do not implement the trait `Mechanism`, for want of
     /// functions, are left out. Files without a mechanism, which hold `const` and `fn` to be imported, are only looked

@@ -38,7 +38,7 @@ use value::evaluate::Resolver;
 pub(crate) use check::{requirement, sample};
 pub(crate) use frame::{Edge, FrameId};
 pub(crate) use lagrangian::{Body, Constraint, PointForce, Reaction};
-pub use lagrangian::{ConstraintKind, Draft, Lagrangian, OutputValue};
+pub use lagrangian::{ConstraintKind, Lagrangian, OutputValue};
 pub use statement::given::Unit;
 
 /// What a declaration means, in the verbatim `graph`, and warnings about it.

@@ -209,7 +209,7 @@ pub struct Choice {
 pub(crate) const AUXILIARY: usize = 6;
 
 /// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs. All passes read it; only
-/// `model`, whose statements fill in a [`Draft`], writes it.
+/// `model`, whose statements fill in a draft, writes it.
 #[derive(Clone, Debug)]
 pub struct Lagrangian<'g>(pub(in crate::model) Draft<'g>);
 

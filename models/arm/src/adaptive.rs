@@ -113,8 +113,8 @@ impl<const P: usize> Unknown<P> {
         stack.base(tolerance).map_err(|_| Failure::NotFinite("a regressor of the arm").into())
     }
 
-    /// Torques under a control for a reference `(q, q̇, q̈)`, how far off the sliding surface it is, and the rates of the
-    /// estimate.
+    /// Torques under a control for a reference `(q, q̇, q̈)`, how far off the sliding surface it is, and the rates of
+    /// the estimate.
     #[must_use]
     pub fn act(
         &self,

@@ -8,8 +8,8 @@
 //! ```
 //!
 //! Its rotors run down from the first touch on. The deck moves as a function of time, [`Planned`], or is that of the
-//! Stewart platform under its control, [`Carried`], which feels what the feet do to it: [`Stand`]. The deck is a plane without an
-//! edge.
+//! Stewart platform under its control, [`Carried`], which feels what the feet do to it: [`Stand`]. The deck is a plane
+//! without an edge.
 //!
 //! Work is integrated along with the motion, so that the balance of energy can be seen: [`Moment::balance`].
 

@@ -2,7 +2,7 @@
 
 use mbs_runtime::Scalar;
 
-/// Of a record with equal steps.
+/// What is said of a record with equal steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// The mean value.
@@ -16,7 +16,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of these values.
+    /// What is said of these values.
     #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let count = values.len() as f64;
