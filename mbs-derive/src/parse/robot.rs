@@ -13,9 +13,17 @@ pub(super) fn is_robot(name: &str) -> bool {
     extension.is_some_and(|extension| ["urdf", "sdf", "xml", "mjcf", "xacro"].contains(&extension.as_str()))
 }
 
+/// What such a text begins with.
+const IMPORTED: &str = "// Imported from ";
+
+/// Whether a text is that of the mechanism that the robot of this file has become.
+pub(crate) fn is_written_robot(name: &str, text: &str) -> bool {
+    text.starts_with(IMPORTED) && is_robot(name)
+}
+
 /// The bytes of a file, of a robot the text of its mechanism; what has been such a text before stays as it is.
 pub(super) fn as_text(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
-    if !is_robot(name) || bytes.starts_with(b"// Imported from ") {
+    if !is_robot(name) || bytes.starts_with(IMPORTED.as_bytes()) {
         return Ok(bytes);
     }
     text(name, bytes)
