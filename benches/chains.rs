@@ -1,7 +1,8 @@
 //! Chains of 5, 10, 20 and 40 links in space: inverse dynamics, and forward dynamics by articulated bodies where they
 //! need fewer operations; beside the general algorithms of Featherstone on nalgebra.
 //!
-//! `cargo bench -p mbs-benches --bench chains`; `items` are states. `growth` times the same, and checks that they agree.
+//! `cargo bench -p mbs-benches --bench chains`; `items` are states. `growth` times the same, and checks that they
+//! agree.
 
 #[path = "../examples/speed/featherstone.rs"]
 #[expect(dead_code, reason = "`speed` times more of its algorithms")]

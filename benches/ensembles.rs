@@ -1,5 +1,5 @@
-//! Many motions at once: 4096 double pendulums for two seconds, one after the other or four in lanes, by the method with
-//! fixed steps and by the one with error control of each lane's own.
+//! Many motions at once: 4096 double pendulums for two seconds, one after the other or four in lanes, by the method
+//! with fixed steps and by the one with error control of each lane's own.
 //!
 //! `cargo bench -p mbs-benches --bench ensembles`; `items` are motions. With `--features rayon` blocks go to all cores.
 

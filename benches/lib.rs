@@ -11,7 +11,8 @@ use rand_pcg::Pcg64;
 /// States that one sample goes through; more than fit into the first-level cache.
 pub const STATES: usize = 1024;
 
-/// `K` vectors of `N` numbers for each of [`STATES`] states, those of vector k between ∓`most[k]`; the same in every run.
+/// `K` vectors of `N` numbers for each of [`STATES`] states, those of vector k between ∓`most[k]`; the same in every
+/// run.
 #[must_use]
 pub fn states<const N: usize, const K: usize>(most: [f64; K]) -> Vec<[[f64; N]; K]> {
     let mut random = Pcg64::seed_from_u64(20_261_126);

@@ -23,8 +23,7 @@ mod replacement;
 
 use std::fmt;
 
-use crate::parse::is_written_robot;
-use crate::source::Sources;
+use crate::source::{Sources, is_written_robot};
 use crate::span::Span;
 
 pub(crate) use code::Code;

@@ -48,7 +48,6 @@ use crate::source::{Sources, Unreadable};
 pub use encoding::text;
 #[cfg(test)]
 pub(crate) use in_place::UNITS;
-pub(crate) use robot::is_written_robot;
 use syntax::Declaration;
 pub use syntax::{Statement, StatementKind};
 

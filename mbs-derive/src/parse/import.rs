@@ -13,11 +13,10 @@ use std::vec;
 
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
-use super::robot::is_robot;
 use super::syntax::{Declaration, Import, Name, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::{Code, Diagnostics};
-use crate::source::{Sources, is_table};
+use crate::source::{Sources, is_robot, is_table};
 
 // ---- the statement
 

@@ -49,7 +49,8 @@ impl<S: Real> Evaluator<'_, S> {
     }
 }
 
-/// What an even power asks of its base: `|x|² = x²`, which has all derivatives at x = 0, where those of `|x|` do not exist.
+/// What an even power asks of its base: `|x|² = x²`, which has all derivatives at x = 0, where those of `|x|` do not
+/// exist.
 fn without_sign(mut base: &Expression) -> &Expression {
     loop {
         base = match &base.kind {
