@@ -229,7 +229,9 @@ impl Statistics {
         };
         let mut sorted: Vec<f64> = points.iter().map(|point| chaos.value(point)).collect();
         sorted.sort_unstable_by(f64::total_cmp);
-        let index = |i: usize| [Estimate::exact(chaos.first(i)), Estimate::exact(chaos.total(i))];
+        // What rounding leaves of a share that is zero.
+        let share = |share: f64| Estimate::exact(if share < 1e-14 { 0.0 } else { share });
+        let index = |i: usize| [share(chaos.first(i)), share(chaos.total(i))];
         let varies = chaos.variance() > 0.0;
         Statistics {
             count,

@@ -2,12 +2,14 @@
 //!
 //! - [`study`]: a plan and its mechanism, and what is wrong with either;
 //! - [`names`]: the variables that a plan may fix or vary;
-//! - [`gathering`]: what is taken of each motion.
+//! - [`gathering`]: what is taken of each motion;
+//! - [`ranks`]: processes that MPI has started.
 //!
 //! What all of them say together is a `Summary`.
 
 mod gathering;
 mod names;
+mod ranks;
 mod study;
 
 use std::io::{self, IsTerminal};
@@ -28,6 +30,7 @@ use crate::files::Files;
 use crate::output;
 use crate::summary::Summary;
 use crate::words::plural;
+use ranks::Ranks;
 use study::{Engine, Study};
 
 /// Integrate many motions of a mechanism, on all cores, and write what is wanted of each as a row of a table.
@@ -65,7 +68,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", requires = "rank", value_parser = clap::value_parser!(u64).range(1..))]
     ranks: Option<u64>,
     /// Do the share that `mpirun`, `srun` or another launcher gives this process, by its rank in the environment; the
-    /// last that is done makes the table.
+    /// last that is done makes the table. With the feature `mpi` this is so without saying, and rank 0 makes the table.
     #[arg(long, conflicts_with_all = ["rank", "dry_run", "merge", "summary"])]
     launched: bool,
     /// Make the table of what all ranks have done, and run nothing.
@@ -80,6 +83,18 @@ pub(crate) struct Arguments {
 
 /// Reads, checks, integrates, writes.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
+    let is_alone = arguments.rank.is_some() || arguments.dry_run || arguments.merge;
+    let ranks = if is_alone { None } else { Ranks::joined() };
+    match (run_with(arguments, cache, ranks.as_ref()), &ranks) {
+        (Err(failure), Some(ranks)) => {
+            output::report(failure.messages());
+            ranks.abort()
+        }
+        (outcome, _) => outcome,
+    }
+}
+
+fn run_with(arguments: &Arguments, cache: &Cache, ranks: Option<&Ranks>) -> Result<(), Failure> {
     let mut files = Files::default();
     let mut study = Study::read(&arguments.plan, cache, &mut files)?;
     let (table, format) = arguments.out.clone().unwrap_or_else(|| (study::table_of(&arguments.plan), Format::Csv));
@@ -87,7 +102,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if arguments.dry_run {
         return output::answer(|| preview_object(&study), || preview(&study));
     }
-    let share = share(arguments)?;
+    let share = ranks.map_or_else(|| share(arguments), |ranks| Ok(ranks.share()))?;
     let design = study.design.clone();
     let sweep = Sweep {
         design: &design,
@@ -111,16 +126,22 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         }
         done = integrate(&sweep, &study, share, threads)?;
     }
-    let is_part = arguments.rank.is_some() || arguments.launched;
-    let is_last = arguments.launched && sweep.missing(Share::WHOLE).map_err(Failure::new)?.is_empty();
-    if is_part && !is_last {
-        return answer_share(share, &study, done);
+    let is_left_to_others = match ranks {
+        Some(ranks) => {
+            ranks.wait();
+            share.rank > 0
+        }
+        None if arguments.launched => !sweep.missing(Share::WHOLE).map_err(Failure::new)?.is_empty(),
+        None => arguments.rank.is_some(),
+    };
+    if is_left_to_others {
+        return answer_share(share, &study, done, ranks.is_some());
     }
     let mut summary = arguments.summary.then(|| Summary::of(&study.design, &study.columns));
     let outcome = sweep.merge(|quantities| summary.iter_mut().for_each(|summary| summary.push(quantities)));
     let outcome = match outcome {
         // Two that were last make one table.
-        Err(SweepError::Busy { .. }) if arguments.launched => return answer_share(share, &study, done),
+        Err(SweepError::Busy { .. }) if arguments.launched => return answer_share(share, &study, done, true),
         outcome => outcome.map_err(Failure::new)?,
     };
     if let Some((first, reason)) = &outcome.first_stopped {
@@ -175,14 +196,15 @@ fn share(arguments: &Arguments) -> Result<Share, Failure> {
     }
 }
 
-/// What is said of a share.
-fn answer_share(share: Share, study: &Study, done: u64) -> Result<(), Failure> {
+/// What is said of a share, of which another rank makes a table without being told, or not.
+fn answer_share(share: Share, study: &Study, done: u64, is_merged: bool) -> Result<(), Failure> {
     let members = share.members(study.design.members());
     let object = || json!({ "done": done, "first": members.start, "end": members.end, "engine": study.engine().key() });
     let text = || {
         let (done, Share { rank, ranks }) = (plural(done as usize, "member", "members"), share);
         let engine = study.engine().name();
-        format!("{done} done by rank {rank} of {ranks}, by {engine}; `--merge` makes the table of all\n")
+        let next = if is_merged { "" } else { "; `--merge` makes the table of all" };
+        format!("{done} done by rank {rank} of {ranks}, by {engine}{next}\n")
     };
     output::answer(object, text)
 }

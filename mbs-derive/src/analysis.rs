@@ -133,7 +133,7 @@ impl<'g> Analysis<'g> {
     ///     Instruction::Mul(a, b) => *instruction = Instruction::Add(a, b),
     ///     _ => {}
     /// };
-    /// programs.functions.iter_mut().flat_map(|function| &mut function.program.instructions).for_each(wrong);
+    /// programs.altered().functions.iter_mut().flat_map(|function| &mut function.program.instructions).for_each(wrong);
     /// assert!(analysis.prove(&programs).is_err());
     /// ```
     ///

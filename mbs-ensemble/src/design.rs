@@ -459,7 +459,7 @@ mod tests {
         );
         check(
             "design = \"chaos\"\ndegree = 31\n[vary]\nm = { values = [0, 1] }",
-            "p:4:5: the design `chaos` draws all variables, `m` is a grid\np:2:10: the degree is 30 at most, it is 31\n",
+            "p:2:10: the degree is 30 at most, it is 31\np:4:5: the design `chaos` draws all variables, `m` is a grid\n",
         );
         check("[fixed]\nm = 1\n[vary]\nm = { uniform = [0, 1] }", "p:2:1: `m` is fixed here and varies in [vary]\n");
         check(
