@@ -110,14 +110,13 @@ fn compare(
 ) -> Result<Comparison, Failure> {
     let params = Params::default();
     let plant = QuadrotorEuler::new(params);
-    let flown =
-        |rotors: &Rotors, act: &dyn Fn(f64, &[f64; 6], &[f64]) -> Acted, learnt: &[f64]| -> Result<_, Failure> {
-            let flown = Flown { course, plant: &plant, rotors, act };
-            let run = simulate(&flown, start[0], [&start[1], learnt].concat(), duration)?;
-            let limited = run.samples.iter().filter(|s| s.seen.limited).count() as f64 / run.samples.len() as f64;
-            let touchdown = deck.and_then(|deck| touchdown(&run, deck));
-            Ok(Flight { run, touchdown, limited })
-        };
+    let flown = |rotors: &Rotors, act: Control<'_>, learnt: &[f64]| -> Result<_, Failure> {
+        let flown = Flown { course, plant: &plant, rotors, act };
+        let run = simulate(&flown, start[0], [&start[1], learnt].concat(), duration)?;
+        let limited = run.samples.iter().filter(|s| s.seen.limited).count() as f64 / run.samples.len() as f64;
+        let touchdown = deck.and_then(|deck| touchdown(&run, deck));
+        Ok(Flight { run, touchdown, limited })
+    };
     let backstepping = |params: Params<f64>| {
         let control = Backstepping::new(params);
         flown(&Rotors::new(&params), &|t, q, v| backstepped(&control, course, t, q, v), &[])
@@ -180,12 +179,15 @@ struct Acted {
     spent: f64,
 }
 
+/// Of the time, coordinates and velocities with what is behind them.
+type Control<'a> = &'a dyn Fn(f64, &[f64; 6], &[f64]) -> Acted;
+
 /// A vehicle with its controller.
 struct Flown<'a> {
     course: Course<'a>,
     plant: &'a QuadrotorEuler<f64>,
     rotors: &'a Rotors,
-    act: &'a dyn Fn(f64, &[f64; 6], &[f64]) -> Acted,
+    act: Control<'a>,
 }
 
 impl Loop for Flown<'_> {
