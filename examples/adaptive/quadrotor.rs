@@ -110,7 +110,7 @@ fn compare(
 ) -> Result<Comparison, Failure> {
     let params = Params::default();
     let plant = QuadrotorEuler::new(params);
-    let flown = |rotors: &Rotors, act: &Controller<'_>, learnt: &[f64]| -> Result<_, Failure> {
+    let flown = |rotors: &Rotors, act: Control<'_>, learnt: &[f64]| -> Result<_, Failure> {
         let flown = Flown { course, plant: &plant, rotors, act };
         let run = simulate(&flown, start[0], [&start[1], learnt].concat(), duration)?;
         let limited = run.samples.iter().filter(|s| s.seen.limited).count() as f64 / run.samples.len() as f64;
@@ -179,15 +179,15 @@ struct Acted {
     spent: f64,
 }
 
-/// What a controller does at a time, in a state, with what it has behind the velocities.
-type Controller<'a> = dyn Fn(f64, &[f64; 6], &[f64]) -> Acted + 'a;
+/// Of the time, coordinates and velocities with what is behind them.
+type Control<'a> = &'a dyn Fn(f64, &[f64; 6], &[f64]) -> Acted;
 
 /// A vehicle with its controller.
 struct Flown<'a> {
     course: Course<'a>,
     plant: &'a QuadrotorEuler<f64>,
     rotors: &'a Rotors,
-    act: &'a Controller<'a>,
+    act: Control<'a>,
 }
 
 impl Loop for Flown<'_> {

@@ -196,7 +196,7 @@ impl Derivation {
         found
     }
 
-    /// The requirements with the numbers that they are about, of all that [`required`](Self::required) gives.
+    /// The requirements with the numbers that they are about, of all that `required` gives.
     pub fn conditions<'d, V>(&'d self, values: &'d [V]) -> impl Iterator<Item = (&'d Requirement, &'d [V])> {
         let mut rest = values;
         self.requirements.iter().map(move |requirement| {
