@@ -123,7 +123,8 @@ impl Reader {
 
     /// Warns of angles that are more than a whole turn: they are degrees, most likely.
     pub(super) fn doubt_angles(&mut self, angles: [f64; 3], place: Span, of: &str) {
-        const TURN: f64 = 6.2832;
+        // A turn that was rounded up to some digits is one.
+        const TURN: f64 = 1.0001 * std::f64::consts::TAU;
         if let Some(angle) = angles.into_iter().find(|angle| angle.abs() > TURN) {
             let help = "angles are in rad here: a right angle is 1.5707963267948966";
             self.warn(place, format!("the attitude of {of} has an angle of {angle} rad, more than a whole turn"), help);
