@@ -462,7 +462,7 @@ fn doubtful_numbers_and_names_are_told() {
     check(
         "m.xml",
         &format!("<mujoco><worldbody>\n<body name=\"a\">{geoms}</body></worldbody></mujoco>"),
-        "warning[MBS0310]: the mesh `none` of the body `a` is not drawn\n --> m.xml:2:68",
+        "warning[MBS0310]: the mesh `none` of the body `a` is not drawn\n --> m.xml:2:67",
     );
     // What stands in comments is no element.
     let comments = "<!-- a <link> -->".repeat(600);
@@ -483,7 +483,7 @@ fn joints_of_sdf_follow_others() {
     let axis = |name: &str, inside: &str| format!("<{name}><xyz>0 0 1</xyz>{inside}</{name}>");
     let follows = |axis: &str| {
         format!(
-            "<mimic joint=\"cross\" axis=\"{axis}\"><multiplier>3</multiplier><offset>0.5</offset><reference>0.1</reference></mimic>"
+            "<mimic joint=\"cross\" axis=\"{axis}\"><multiplier>3</multiplier><offset>0.5</offset><reference>0.125</reference></mimic>"
         )
     };
     let cross = axis("axis", "") + "<axis2><xyz>0 1 0</xyz></axis2>";
@@ -493,7 +493,7 @@ fn joints_of_sdf_follow_others() {
         format!("<sdf version=\"1.11\"><model name=\"m\">{first}{second}</model></sdf>")
     };
     let second = text("m.sdf", &xml("axis2"));
-    assert!(second.contains("    const tail_ratio: 1 = 3;\n    const tail_offset: 1 = 0.2"), "{second}");
+    assert!(second.contains("    const tail_ratio: 1 = 3;\n    const tail_offset: 1 = 0.125;"), "{second}");
     assert!(second.contains("    let tail = tail_ratio*cross_2 + tail_offset;\n"), "{second}");
     assert!(text("m.sdf", &xml("axis")).contains("    let tail = tail_ratio*cross_1 + tail_offset;\n"));
 }

@@ -104,8 +104,7 @@ fn a_page_asks_for_nothing_and_is_whole() {
     assert_eq!(workshop.files(), ["ball.stl", "chain.mbs", "drawn.mbs", "pendulum.mbs", "report.html"]);
 }
 
-/// Without a state: away from where a spring is relaxed; with a speed where nothing pulls; at rest where nothing can
-/// move.
+/// Without a state: away from where a spring is relaxed; with a speed where nothing pulls; at rest where all is held.
 #[test]
 fn a_page_begins_with_a_motion() {
     let workshop = Workshop::new();

@@ -209,7 +209,7 @@ impl Robot {
                 reader.refuse(joint.span.clone(), message, "write a vector along it, such as `0 0 1`");
             }
         }
-        // Where all joints follow others, what each follows is missing, or a circle: reported where they are written.
+        // Where all joints follow others they follow each other, or what is missing: that is told by the writer.
         if joints().next().is_none() && !reader.errors.has_errors() {
             let place = self.bodies.first().map_or(0..0, |body| body.span.clone());
             let help = "a mechanism has coordinates: with `mbs import --floating` the base moves freely";
