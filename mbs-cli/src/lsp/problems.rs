@@ -46,7 +46,8 @@ pub(super) fn problems<'d>(
         let file = &files.0[number];
         let place = file.text.range(&(span.start - file.start..span.start - file.start)).start;
         files.import_of(number)?;
-        Some(format!("`mbs import {}`:{}:{}", file.name, place.line + 1, place.character + 1))
+        let name = file.name.rsplit('/').next().unwrap_or_default();
+        Some(format!("`mbs import {name}`:{}:{}", place.line + 1, place.character + 1))
     };
     for diagnostic in found.take(MOST) {
         let (file, span) = place(&diagnostic.span);
