@@ -17,9 +17,9 @@ fn main() {
         let text = text.replace("const n = 5;", &format!("const n = {n};"));
         let chain =
             mbs_derive::generate(CHAIN, &text, &options).unwrap_or_else(|e| panic!("{}", e.render(CHAIN, &text)));
-        format!("/// A chain of {n} links.\nmod {name} {{\n{}\npub(crate) use n_chain::NChain;\n}}\n", chain.code)
+        format!("/// A chain of {n} links.\npub mod {name} {{\n{}\npub use n_chain::NChain;\n}}\n", chain.code)
     });
     let folder = std::env::var("OUT_DIR").expect("cargo sets it");
-    let constant = format!("/// The chain, of five links.\nconst CHAIN: &str = {text:?};\n");
+    let constant = format!("/// The chain, of five links.\npub const CHAIN: &str = {text:?};\n");
     std::fs::write(Path::new(&folder).join("chains.rs"), constant + &modules.concat()).expect("cargo's folder");
 }

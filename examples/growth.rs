@@ -14,12 +14,11 @@ use std::time::Instant;
 
 use featherstone::Model;
 use mbs_examples::arguments::Arguments;
+use mbs_examples::chains::{self, CHAIN};
 use mbs_examples::{Failure, output, print, println};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use serde_json::{Value, json};
-
-include!(concat!(env!("OUT_DIR"), "/chains.rs"));
 
 /// The functions that are derived.
 const FUNCTIONS: [&str; 2] = ["inverse_dynamics", "forward_dynamics"];
@@ -43,10 +42,10 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("growth.rs"));
 
     let chains = [
-        growth(five::NChain::<f64>::default())?,
-        growth(ten::NChain::<f64>::default())?,
-        growth(twenty::NChain::<f64>::default())?,
-        growth(forty::NChain::<f64>::default())?,
+        growth(chains::five::NChain::<f64>::default())?,
+        growth(chains::ten::NChain::<f64>::default())?,
+        growth(chains::twenty::NChain::<f64>::default())?,
+        growth(chains::forty::NChain::<f64>::default())?,
     ];
     let report = json!({ "n_chain": chains.iter().map(Growth::to_json).collect::<Vec<_>>() });
     if let Some(folder) = &arguments.out {
@@ -69,7 +68,7 @@ trait Chain<const N: usize> {
 
 macro_rules! chain {
     ($module:ident, $n:literal) => {
-        impl Chain<$n> for $module::NChain<f64> {
+        impl Chain<$n> for chains::$module::NChain<f64> {
             fn inverse_dynamics(&self, q: &[f64; $n], qd: &[f64; $n], qdd: &[f64; $n]) -> [f64; $n] {
                 self.inverse_dynamics(q, qd, qdd)
             }

@@ -13,8 +13,7 @@ mod sensitivity;
 use mbs_examples::relative_motion::cases::{self, Case};
 use mbs_examples::relative_motion::figures;
 use mbs_examples::relative_motion::flight::Flight;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
@@ -34,11 +33,7 @@ fn main() -> Result<(), Failure> {
         output::create_folder(folder)?;
         figures::write(folder, &flights)?;
     }
-    if arguments.json {
-        println!("{}", assumed::with(to_json(&flights, &growths), &ASSUMED));
-    } else {
-        print!("{}{}", summary(&flights, &growths), assumed::text(&ASSUMED));
-    }
+    arguments.answer(to_json(&flights, &growths), &summary(&flights, &growths), &ASSUMED);
     Ok(())
 }
 

@@ -1,16 +1,15 @@
 //! The arm under computed torque with a wrong model, and under adaptive control.
 
-use mbs_arm::inertial::{self, MASSES_ALONE, flat, links, parts};
+use mbs_arm::adaptive::Unknown;
+use mbs_arm::inertial::{flat, links};
 use mbs_arm::trajectory::{JointState, Motion};
 use mbs_arm::{JointLimits, JointVector};
 use mbs_examples::Failure;
 use mbs_models::arm6_params::Arm6Params;
 use mbs_models::irb7600::Params;
-use mbs_runtime::control::{
-    AdaptiveControl, BaseParameters, BodyParameters, ComputedTorque, RegressorStack, Sliding, regressor,
-};
+use mbs_runtime::control::{AdaptiveControl, BaseParameters, BodyParameters, ComputedTorque};
 
-use crate::motion::{Sines, ThereAndBack};
+use crate::motion::{sines, there_and_back};
 use crate::run::{Loop, Run, Seen, first, simulate};
 
 /// What the flange carries: mass \[kg\], centre in the flange's frame \[m\], sides of a uniform box \[m\].
@@ -57,43 +56,6 @@ pub(crate) struct Comparison<const P: usize> {
     pub(crate) adaptive: Run,
 }
 
-/// An arm of which P numbers are unknown.
-struct Family<const P: usize> {
-    g: f64,
-    /// The links, the unknown numbers left out.
-    known: Option<[BodyParameters; 6]>,
-    /// What the unknown numbers are the links of.
-    unknown: fn(&[f64; P]) -> [BodyParameters; 6],
-    /// Unknown numbers that an arm can have.
-    probe: [f64; P],
-}
-
-impl<const P: usize> Family<P> {
-    /// The whole arm.
-    fn arm(&self, numbers: &[f64; P]) -> Arm6Params<f64> {
-        let unknown = (self.unknown)(numbers);
-        let links = match &self.known {
-            Some(known) => std::array::from_fn(|i| known[i].plus(&unknown[i])),
-            None => unknown,
-        };
-        inertial::model(&links, self.g)
-    }
-
-    /// Y of the unknown numbers.
-    fn regressor(&self, sliding: &Sliding<6>, q: &JointVector, qd: &JointVector) -> [[f64; P]; 6] {
-        let forces =
-            |numbers: &[f64; P]| sliding.forces_of(&inertial::model(&(self.unknown)(numbers), self.g), 0.0, q, qd);
-        regressor(forces, &self.probe)
-    }
-}
-
-/// The numbers of the last link alone.
-fn last_link(numbers: &[f64; 10]) -> [BodyParameters; 6] {
-    let mut links = [BodyParameters::default(); 6];
-    links[5] = BodyParameters::from_array(numbers);
-    links
-}
-
 fn payload() -> BodyParameters {
     let [x, y, z] = PAYLOAD_SIZE.map(|side| PAYLOAD_MASS * side * side / 12.0);
     BodyParameters::about_center(PAYLOAD_MASS, PAYLOAD_CENTER, [y + z, x + z, x + y, 0.0, 0.0, 0.0])
@@ -105,46 +67,25 @@ pub(crate) fn study() -> Result<Study, Failure> {
     let bare = links(&params);
     let mut loaded = bare;
     loaded[5] = bare[5].plus(&payload());
-    let mut others = bare;
-    others[5] = BodyParameters::default();
-
-    let of_payload = Family { g: params.g, known: Some(others), unknown: last_link, probe: last_link_probe() };
+    let (of_payload, of_links) = (Unknown::last_link(&params), Unknown::all_links(&params));
     let (initial, truth) = (bare[5].to_array(), loaded[5].to_array());
-    let of_links = Family { g: params.g, known: None, unknown: parts, probe: MASSES_ALONE };
     let all = flat(&loaded);
     let thought = all.map(|number| number / (1.0 + LINK_EXCESS));
     let (payload, links) = rayon::join(
         || -> Result<_, Failure> {
-            let table_2 = compare("table_2_there_and_back", &ThereAndBack::new()?, &of_payload, initial, truth)?;
-            Ok([table_2, compare("sines", &Sines, &of_payload, initial, truth)?])
+            let table_2 = compare("table_2_there_and_back", &there_and_back()?, &of_payload, initial, truth)?;
+            Ok([table_2, compare("sines", &sines(), &of_payload, initial, truth)?])
         },
-        || compare("sines", &Sines, &of_links, thought, all),
+        || compare("sines", &sines(), &of_links, thought, all),
     );
     let (payload, links) = (payload?, links?);
-    Ok(Study { truth: all, base: base(&of_links)?, payload, links })
-}
-
-fn last_link_probe() -> [f64; 10] {
-    BodyParameters { mass: 1.0, ..BodyParameters::default() }.to_array()
-}
-
-/// What regressors at many states tell, which no motion has to connect.
-fn base(family: &Family<60>) -> Result<BaseParameters<60>, Failure> {
-    let mut stack = RegressorStack::default();
-    for state in 0..STATES {
-        // Numbers without a pattern between −2 and 2: the steps are multiples of the golden mean.
-        let number = |k: u32| 4.0 * (f64::from(18 * state + k) * 0.618_033_988_749_895).fract() - 2.0;
-        let of = |from: u32| std::array::from_fn(|i| number(from + i as u32));
-        let (q, qd) = (of(0), of(6));
-        stack.add(&family.regressor(&Sliding { error: [0.0; 6], qd, qdd: of(12) }, &q, &qd));
-    }
-    Ok(stack.base(RANK_TOLERANCE)?)
+    Ok(Study { truth: all, base: of_links.base(STATES, RANK_TOLERANCE)?, payload, links })
 }
 
 fn compare<const P: usize>(
     name: &'static str,
     motion: &dyn Motion<6>,
-    family: &Family<P>,
+    family: &Unknown<P>,
     initial: [f64; P],
     truth: [f64; P],
 ) -> Result<Comparison<P>, Failure> {
@@ -164,30 +105,19 @@ fn compare<const P: usize>(
         _ => ADAPTATION[2],
     });
     let control = AdaptiveControl::new([0.5 * NATURAL_FREQUENCY; 6], damping, gains)?;
-    let known = family.known.map(|links| inertial::model(&links, family.g));
     let velocities = [&start.qd[..], &initial, &[0.0]].concat();
-    let adaptive = Adaptive { followed, family, known, control, truth };
+    let adaptive = Adaptive { followed, family, control, truth };
     Ok(Comparison {
         motion: name,
         duration,
         window: WINDOW,
         initial,
         truth,
-        told: told(family, motion)?,
+        told: family.told(motion, RANK_TOLERANCE)?,
         wrong: computed(family.arm(&initial))?,
         right: computed(plant)?,
         adaptive: simulate(&adaptive, start.q, velocities, duration)?,
     })
-}
-
-/// What a motion shows that is followed exactly, looked at ten times a second.
-fn told<const P: usize>(family: &Family<P>, motion: &dyn Motion<6>) -> Result<BaseParameters<P>, Failure> {
-    let mut stack = RegressorStack::default();
-    for k in 0..(10.0 * motion.duration()) as u32 {
-        let JointState { q, qd, qdd } = motion.at(0.1 * f64::from(k))?;
-        stack.add(&family.regressor(&Sliding { error: [0.0; 6], qd, qdd }, &q, &qd));
-    }
-    Ok(stack.base(RANK_TOLERANCE)?)
 }
 
 /// An arm and what it is to do.
@@ -237,8 +167,7 @@ impl Loop for Computed<'_> {
 
 struct Adaptive<'a, const P: usize> {
     followed: Followed<'a>,
-    family: &'a Family<P>,
-    known: Option<Arm6Params<f64>>,
+    family: &'a Unknown<P>,
     control: AdaptiveControl<6, P>,
     truth: [f64; P],
 }
@@ -247,12 +176,7 @@ impl<const P: usize> Adaptive<'_, P> {
     /// The torques, `s`, and the rates of the estimate.
     fn act(&self, t: f64, q: &JointVector, v: &[f64]) -> (JointVector, JointVector, [f64; P]) {
         let (qd, estimate) = (first(v), first(&v[6..]));
-        let sliding = self.control.sliding(&self.followed.reference(t), q, &qd);
-        let y = self.family.regressor(&sliding, q, &qd);
-        let known = self.known.as_ref().map_or([0.0; 6], |known| sliding.forces_of(known, 0.0, q, &qd));
-        let learnt = self.control.forces(&y, &estimate, &sliding.error);
-        let torques = std::array::from_fn(|i| known[i] + learnt[i]);
-        (torques, sliding.error, self.control.estimate_rate(&y, &sliding.error))
+        self.family.act(&self.control, &self.followed.reference(t), [q, &qd], &estimate)
     }
 }
 

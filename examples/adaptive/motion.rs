@@ -1,7 +1,7 @@
 //! What the arm is to do: the thesis' way there and back, and one that shows all masses.
 
 use mbs_arm::JointVector;
-use mbs_arm::trajectory::{JointState, Motion, Piecewise, quintic};
+use mbs_arm::trajectory::{Piecewise, Sines, ThereAndBack, quintic};
 use mbs_models::Error;
 
 /// Table 2 of the thesis \[°\].
@@ -11,30 +11,9 @@ const STOP: JointVector = [50.0, 90.0, 120.0, 80.0, 60.0, 100.0];
 const ONE_WAY: f64 = 50.0;
 
 /// From the start of Table 2 to its stop and back, by quintics, in 100 s.
-pub(crate) struct ThereAndBack(Piecewise<6, 1>);
-
-impl ThereAndBack {
-    pub(crate) fn new() -> Result<Self, Error> {
-        Ok(Self(quintic(START.map(f64::to_radians), [0.0; 6], STOP.map(f64::to_radians), ONE_WAY)?))
-    }
+pub(crate) fn there_and_back() -> Result<ThereAndBack<Piecewise<6, 1>>, Error> {
+    Ok(ThereAndBack(quintic(START.map(f64::to_radians), [0.0; 6], STOP.map(f64::to_radians), ONE_WAY)?))
 }
-
-impl Motion<6> for ThereAndBack {
-    fn duration(&self) -> f64 {
-        2.0 * ONE_WAY
-    }
-
-    fn at(&self, t: f64) -> Result<JointState<6>, Error> {
-        if t <= ONE_WAY {
-            return self.0.at(t);
-        }
-        let JointState { q, qd, qdd } = self.0.at(self.duration() - t)?;
-        Ok(JointState { q, qd: qd.map(|rate| -rate), qdd })
-    }
-}
-
-/// Two sines in each joint, about a posture in front of the robot: `qᵢ = mᵢ + Σₖ Aᵢₖ sin(2π t/Tᵢₖ)`.
-pub(crate) struct Sines;
 
 /// m, in the angles of Denavit and Hartenberg \[°\].
 const MIDDLE: JointVector = [0.0, -70.0, 10.0, 0.0, 40.0, 0.0];
@@ -48,22 +27,8 @@ const WAVES: [[(f64, f64); 2]; 6] = [
     [(45.0, 5.3), (15.0, 2.1)],
 ];
 
-impl Motion<6> for Sines {
-    fn duration(&self) -> f64 {
-        60.0
-    }
-
-    fn at(&self, t: f64) -> Result<JointState<6>, Error> {
-        let mut state = JointState::at_rest(MIDDLE.map(f64::to_radians));
-        for (joint, waves) in WAVES.iter().enumerate() {
-            for &(amplitude, period) in waves {
-                let (a, w) = (amplitude.to_radians(), std::f64::consts::TAU / period);
-                let (sin, cos) = (w * t).sin_cos();
-                state.q[joint] += a * sin;
-                state.qd[joint] += a * w * cos;
-                state.qdd[joint] -= a * w * w * sin;
-            }
-        }
-        Ok(state)
-    }
+/// Two sines in each joint, about a posture in front of the robot.
+pub(crate) fn sines() -> Sines<6, 2> {
+    let waves = WAVES.map(|waves| waves.map(|(amplitude, period)| (amplitude.to_radians(), period)));
+    Sines { middle: MIDDLE.map(f64::to_radians), waves, duration: 60.0 }
 }

@@ -1,17 +1,13 @@
 //! The quadrotor under backstepping with a wrong model, and under adaptive control.
-//!
-//! Four rotors cannot move six coordinates. Adaptive control is that of z, φ, θ and ψ, of which four generalized forces
-//! make what they like; x and y are held by the tilt, which does not depend on the mass: (5.11) of the thesis. What the
-//! tilt is to be goes through a filter of second order, so that its rate and acceleration are known without a model.
 
 use mbs_examples::Failure;
+use mbs_landing::quadrotor::adaptive::{Known, Learning, vehicle_regressor};
 use mbs_landing::quadrotor::backstepping::{Backstepping, Reference};
-use mbs_landing::quadrotor::flatness;
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::rotors::{CALM, Rotors, Speeds};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
-use mbs_runtime::control::{AdaptiveControl, RegressorStack, Sliding, regressor};
+use mbs_runtime::control::{AdaptiveControl, RegressorStack, Sliding};
 
 use crate::arm::RANK_TOLERANCE;
 use crate::run::{Loop, Run, Sample, Seen, first, simulate};
@@ -66,11 +62,14 @@ pub(crate) struct Flight {
 /// Position and yaw that are to be followed.
 type Course<'a> = &'a dyn Fn(f64) -> ([Reference; 3], Reference);
 
+/// Mass and principal inertias of the vehicle.
+fn truth() -> [f64; 4] {
+    let Params { m, inertias: [x, y, z], .. } = Params::<f64>::default();
+    [m, x, y, z]
+}
+
 /// All flights.
 pub(crate) fn study() -> Result<Study, Failure> {
-    let params = Params::default();
-    let [x, y, z] = params.inertias;
-    let truth = [params.m, x, y, z];
     let landing = Landing::new(Plant::Exact, Heave::CASE_I);
     let down = |t: f64| (landing.reference(t), Reference::fixed(0.0));
     let approach = landing.approach;
@@ -81,7 +80,7 @@ pub(crate) fn study() -> Result<Study, Failure> {
         compare("landing_case_I", &down, (planned + LAG, 2.0), [start.q, start.qd], Some(&deck))?,
         compare("eight", &eight, (EIGHT, 10.0), on_the_eight(), None)?,
     ];
-    Ok(Study { truth, initial: BELIEVED, flights })
+    Ok(Study { truth: truth(), initial: BELIEVED, flights })
 }
 
 /// An eight with a nodding height and a turning nose: `A sin(2π t/T)` in x, y, z \[m, s\] and in ψ \[rad, s\].
@@ -102,19 +101,6 @@ fn on_the_eight() -> [[f64; 6]; 2] {
     [of(|r| r.value), of(|r| r.rate)]
 }
 
-fn vehicle(numbers: &[f64; 4]) -> QuadrotorEuler<f64> {
-    let [m, x, y, z] = *numbers;
-    QuadrotorEuler::new(Params { m, inertias: [x, y, z], ..Params::default() })
-}
-
-fn y_of(sliding: &Sliding<6>, q: &[f64; 6], qd: &[f64; 6]) -> [[f64; 4]; 6] {
-    let forces = |numbers: &[f64; 4]| {
-        let unit = vehicle(numbers);
-        sliding.forces(&unit.mass_matrix(&CALM, q), &unit.coriolis_matrix(&CALM, q, qd), &unit.gravity(&CALM, q))
-    };
-    regressor(forces, &[1.0; 4])
-}
-
 fn compare(
     name: &'static str,
     course: Course<'_>,
@@ -124,25 +110,32 @@ fn compare(
 ) -> Result<Comparison, Failure> {
     let params = Params::default();
     let plant = QuadrotorEuler::new(params);
-    let flown = |of: &dyn Fly, learnt: &[f64]| -> Result<Flight, Failure> {
-        let run = simulate(&Flown(of), start[0], [&start[1], learnt].concat(), duration)?;
+    let flown = |rotors: &Rotors, act: Control<'_>, learnt: &[f64]| -> Result<_, Failure> {
+        let flown = Flown { course, plant: &plant, rotors, act };
+        let run = simulate(&flown, start[0], [&start[1], learnt].concat(), duration)?;
         let limited = run.samples.iter().filter(|s| s.seen.limited).count() as f64 / run.samples.len() as f64;
         let touchdown = deck.and_then(|deck| touchdown(&run, deck));
         Ok(Flight { run, touchdown, limited })
     };
     let backstepping = |params: Params<f64>| {
         let control = Backstepping::new(params);
-        flown(&Known { course, plant, control, rotors: Rotors::new(&params) }, &[])
+        flown(&Rotors::new(&params), &|t, q, v| backstepped(&control, course, t, q, v), &[])
     };
     let [m, inertias @ ..] = BELIEVED;
     let damping = std::array::from_fn(|i| if i < 2 { 1.0 } else { CONVERGENCE[i - 2] * BELIEVED[i - 2] });
     let convergence = std::array::from_fn(|i| if i < 2 { 1.0 } else { CONVERGENCE[i - 2] });
     let gains = std::array::from_fn(|k| ADAPTATION[usize::from(k > 0)]);
     let control = AdaptiveControl::new(convergence, damping, gains)?;
-    let [x, y, z] = params.inertias;
-    let learning = Learning { course, plant, control, rotors: Rotors::new(&params), truth: [params.m, x, y, z] };
+    let learning = Learning {
+        control,
+        rotors: Rotors::new(&params),
+        horizontal_frequency: HORIZONTAL_FREQUENCY,
+        filter_frequency: FILTER_FREQUENCY,
+        least_lift: LEAST_LIFT,
+    };
     let [[_, _, _, roll, pitch, _], _] = start;
-    let adaptive = flown(&learning, &[&BELIEVED[..], &[roll, 0.0, pitch, 0.0, 0.0]].concat())?;
+    let act = |t: f64, q: &[f64; 6], v: &[f64]| adapted(&learning, &plant, course, t, q, v);
+    let adaptive = flown(&learning.rotors, &act, &[&BELIEVED[..], &[roll, 0.0, pitch, 0.0, 0.0]].concat())?;
     Ok(Comparison {
         reference: name,
         duration,
@@ -168,7 +161,7 @@ fn touchdown(run: &Run, deck: &dyn Fn(f64) -> f64) -> Option<[f64; 2]> {
 fn told(run: &Run) -> Result<(usize, [f64; 2]), Failure> {
     let mut stack = RegressorStack::default();
     for Sample { motion: [q, qd, qdd], .. } in run.samples.iter().step_by(5) {
-        let y = y_of(&Sliding { error: [0.0; 6], qd: *qd, qdd: *qdd }, q, qd);
+        let y = vehicle_regressor(&Sliding { error: [0.0; 6], qd: *qd, qdd: *qdd }, q, qd);
         // Of the rows that adaptive control has.
         stack.add(&[y[2], y[3], y[4], y[5]]);
     }
@@ -176,135 +169,75 @@ fn told(run: &Run) -> Result<(usize, [f64; 2]), Failure> {
     Ok((base.rank(), base.gap()))
 }
 
-/// A vehicle with its controller.
-trait Fly {
-    /// Rotor speeds, the rates of what is behind the velocities, V and what it lost.
-    fn act(&self, t: f64, q: &[f64; 6], v: &[f64]) -> Acted;
-    fn course(&self, t: f64) -> [Reference; 3];
-    fn plant(&self) -> &QuadrotorEuler<f64>;
-    fn rotors(&self) -> &Rotors;
-}
-
+/// What a controller does at a moment.
 struct Acted {
     rotors: Speeds,
+    /// The rates of what is behind the velocities.
     rates: Vec<f64>,
     estimate: Vec<f64>,
     lyapunov: f64,
     spent: f64,
 }
 
-struct Flown<'a>(&'a dyn Fly);
+/// Of the time, coordinates and velocities with what is behind them.
+type Control<'a> = &'a dyn Fn(f64, &[f64; 6], &[f64]) -> Acted;
+
+/// A vehicle with its controller.
+struct Flown<'a> {
+    course: Course<'a>,
+    plant: &'a QuadrotorEuler<f64>,
+    rotors: &'a Rotors,
+    act: Control<'a>,
+}
 
 impl Loop for Flown<'_> {
     fn rates(&self, t: f64, q: &[f64], v: &[f64], a: &mut [f64]) {
         let (q, qd) = (first(q), first(v));
-        let acted = self.0.act(t, &q, v);
-        a[..6].copy_from_slice(&self.0.plant().forward_dynamics(&CALM, &q, &qd, &acted.rotors.speed));
+        let acted = (self.act)(t, &q, v);
+        a[..6].copy_from_slice(&self.plant.forward_dynamics(&CALM, &q, &qd, &acted.rotors.speed));
         a[6..].copy_from_slice(&acted.rates);
     }
 
     fn look(&self, t: f64, q: &[f64], v: &[f64]) -> Seen {
         let q: [f64; 6] = first(q);
-        let Acted { rotors: Speeds { speed, limited }, estimate, lyapunov, spent, .. } = self.0.act(t, &q, v);
-        let wanted = self.0.course(t);
+        let Acted { rotors: Speeds { speed, limited }, estimate, lyapunov, spent, .. } = (self.act)(t, &q, v);
+        let (wanted, _) = (self.course)(t);
         let error = (0..3).map(|i| (q[i] - wanted[i].value).powi(2)).sum::<f64>().sqrt();
-        let forces = self.0.rotors().effort_of(&speed).to_vec();
+        let forces = self.rotors.effort_of(&speed).to_vec();
         Seen { error, forces, limited, estimate, lyapunov, spent }
     }
 }
 
 /// Backstepping of the thesis.
-struct Known<'a> {
-    course: Course<'a>,
-    plant: QuadrotorEuler<f64>,
-    control: Backstepping,
-    rotors: Rotors,
-}
-
-impl Fly for Known<'_> {
-    fn act(&self, t: f64, q: &[f64; 6], v: &[f64]) -> Acted {
-        let (position, heading) = (self.course)(t);
-        let command = self.control.command(&position, heading, q, &first(v));
-        let rotors = Speeds { speed: command.rotors.speed, limited: command.rotors.saturated };
-        Acted { rotors, rates: vec![], estimate: vec![], lyapunov: 0.0, spent: 0.0 }
-    }
-
-    fn course(&self, t: f64) -> [Reference; 3] {
-        (self.course)(t).0
-    }
-
-    fn plant(&self) -> &QuadrotorEuler<f64> {
-        &self.plant
-    }
-
-    fn rotors(&self) -> &Rotors {
-        &self.rotors
-    }
+fn backstepped(control: &Backstepping, course: Course<'_>, t: f64, q: &[f64; 6], v: &[f64]) -> Acted {
+    let (position, heading) = course(t);
+    let command = control.command(&position, heading, q, &first(v));
+    let rotors = Speeds { speed: command.rotors.speed, limited: command.rotors.saturated };
+    Acted { rotors, rates: vec![], estimate: vec![], lyapunov: 0.0, spent: 0.0 }
 }
 
 /// Slotine's and Li's; behind the velocities are the estimate, roll and pitch of the filter with their rates, and what
 /// V lost.
-struct Learning<'a> {
-    course: Course<'a>,
-    plant: QuadrotorEuler<f64>,
-    control: AdaptiveControl<6, 4>,
-    rotors: Rotors,
-    truth: [f64; 4],
-}
-
-impl Learning<'_> {
-    /// Accelerations of the filter towards the tilt that x and y ask for.
-    fn tilt(&self, position: &[Reference; 3], q: &[f64; 6], v: &[f64]) -> [f64; 2] {
-        let ahead = |i: usize| {
-            let (w, wanted) = (HORIZONTAL_FREQUENCY, position[i]);
-            wanted.acceleration + 2.0 * w * (wanted.rate - v[i]) + w * w * (wanted.value - q[i])
-        };
-        let g = Params::<f64>::default().g;
-        let up = position[2].acceleration.max((LEAST_LIFT - 1.0) * g);
-        let wanted = flatness::attitude([ahead(0), ahead(1), up], q[5], g);
-        // Not a number where there is no attitude, which the integrator refuses.
-        let wanted = wanted.map_or([f64::NAN; 2], |wanted| [wanted.roll, wanted.pitch]);
-        let w = FILTER_FREQUENCY;
-        [0, 1].map(|i| w * w * (wanted[i] - v[10 + 2 * i]) - 2.0 * w * v[11 + 2 * i])
-    }
-}
-
-impl Fly for Learning<'_> {
-    fn act(&self, t: f64, q: &[f64; 6], v: &[f64]) -> Acted {
-        let (qd, estimate): ([f64; 6], [f64; 4]) = (first(v), first(&v[6..]));
-        let (position, heading) = (self.course)(t);
-        let [roll, pitch] = self.tilt(&position, q, v);
-        let [_, _, height] = position;
-        // x and y are where they should be, as far as this is concerned.
-        let reference = [
-            [q[0], q[1], height.value, v[10], v[12], heading.value],
-            [qd[0], qd[1], height.rate, v[11], v[13], heading.rate],
-            [0.0, 0.0, height.acceleration, roll, pitch, heading.acceleration],
-        ];
-        let sliding = self.control.sliding(&reference, q, &qd);
-        let y = y_of(&sliding, q, &qd);
-        let [_, _, wanted @ ..] = self.control.forces(&y, &estimate, &sliding.error);
-        let [a, b, c, d] = self.control.estimate_rate(&y, &sliding.error);
-        let lost = -self.control.lyapunov_rate(&sliding.error);
-        let mistake = std::array::from_fn(|k| estimate[k] - self.truth[k]);
-        Acted {
-            rotors: self.rotors.speeds(&wanted, q, &qd),
-            rates: vec![a, b, c, d, v[11], roll, v[13], pitch, lost],
-            estimate: estimate.to_vec(),
-            lyapunov: self.control.lyapunov(&self.plant.mass_matrix(&CALM, q), &sliding.error, &mistake),
-            spent: v[14],
-        }
-    }
-
-    fn course(&self, t: f64) -> [Reference; 3] {
-        (self.course)(t).0
-    }
-
-    fn plant(&self) -> &QuadrotorEuler<f64> {
-        &self.plant
-    }
-
-    fn rotors(&self) -> &Rotors {
-        &self.rotors
+fn adapted(
+    learning: &Learning,
+    plant: &QuadrotorEuler<f64>,
+    course: Course<'_>,
+    t: f64,
+    q: &[f64; 6],
+    v: &[f64],
+) -> Acted {
+    let (position, heading) = course(t);
+    let known = Known { estimate: first(&v[6..]), tilt: [[v[10], v[11]], [v[12], v[13]]] };
+    let acted = learning.act(&position, heading, [q, &first(v)], &known);
+    let ([a, b, c, d], [roll, pitch]) = (acted.estimate_rate, acted.tilt_acceleration);
+    let control = &learning.control;
+    let truth = truth();
+    let mistake = std::array::from_fn(|k| known.estimate[k] - truth[k]);
+    Acted {
+        rotors: acted.rotors,
+        rates: vec![a, b, c, d, v[11], roll, v[13], pitch, -control.lyapunov_rate(&acted.error)],
+        estimate: known.estimate.to_vec(),
+        lyapunov: control.lyapunov(&plant.mass_matrix(&CALM, q), &acted.error, &mistake),
+        spent: v[14],
     }
 }

@@ -1,11 +1,8 @@
 //! Three ways to insert, three holes, two frictions: each flown from the feeder on.
 
-use std::ops::ControlFlow;
-
-use mbs_arm::assembly::{Cell, Contact, Hole, Impedance, Peg, Wrist, cell::Numbers, whitney};
+use mbs_arm::assembly::{Cell, Contact, Hole, Impedance, Insertion, Outcome, Peg, Sample, Task, Wrist};
 use mbs_examples::Failure;
 use mbs_models::scara::{Params, Scara};
-use mbs_runtime::{Dopri5, Integrator, State};
 use rayon::prelude::*;
 
 use crate::cycle::{Cycle, DEPTH, LENGTH, MOUTH, REST};
@@ -27,36 +24,10 @@ pub(crate) const WAYS: [(&str, Wrist, Impedance); 3] =
 /// How far the hole is aside \[m\], and how much it leans \[rad\].
 const ERRORS: [[f64; 2]; 3] = [[5e-4, 0.0], [1e-3, 5e-3], [1e-3, 2e-2]];
 const FRICTIONS: [f64; 2] = [0.1, 0.3];
-/// At this push of the wrist the arm stops \[N\].
-pub(crate) const GREATEST_PUSH: f64 = 400.0;
-/// Between samples \[s\].
-const PERIOD: f64 = 1e-3;
 /// Inserted is what comes so close to the depth wanted \[m\].
 const SHORT: f64 = 2e-4;
-
-/// What is seen of a state.
-pub(crate) struct Sample {
-    pub(crate) t: f64,
-    /// Of the wrist on the peg \[N\].
-    pub(crate) push: [f64; 3],
-    /// \[N\]: corner left and right, edge left and right.
-    pub(crate) normal: [f64; 4],
-    /// \[m\], \[rad\]
-    pub(crate) depth: f64,
-    pub(crate) tilt: f64,
-}
-
-/// How an insertion ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Outcome {
-    Inserted,
-    /// Both sides touch, and forces between them may hold each other.
-    Wedged,
-    /// Both sides touch, and the push is not within the jamming diagram.
-    Jammed,
-    /// Too strong a push, or not deep enough, in neither of these ways.
-    Overloaded,
-}
+/// At this push of the wrist the arm stops \[N\].
+pub(crate) const GREATEST_PUSH: f64 = 400.0;
 
 /// One cycle.
 pub(crate) struct Run {
@@ -64,25 +35,9 @@ pub(crate) struct Run {
     pub(crate) error: [f64; 2],
     pub(crate) friction: f64,
     pub(crate) samples: Vec<Sample>,
-    pub(crate) outcome: Outcome,
-    /// The greatest force of a single contact \[N\]; that of the wrist, down and to the side \[N\].
-    pub(crate) contact_force: f64,
-    pub(crate) push: f64,
-    pub(crate) side_force: f64,
-    pub(crate) depth: f64,
-    /// Where both sides began to touch and did so to the end: depth \[m\], and how much the hole leaned against the peg
-    /// \[rad\].
-    pub(crate) two_points: Option<[f64; 2]>,
-    /// `F_x/F_z` and `M/(r F_z)` at the end.
-    pub(crate) ratios: [f64; 2],
-    /// By which the peg was behind or beside where it had to be, on its way to the hole \[m\].
-    pub(crate) carried_error: f64,
-    /// Energy less work, the most of it, and the largest energy exchanged \[J\].
-    pub(crate) imbalance: f64,
-    pub(crate) exchanged: f64,
-    /// When the insertion began and ended \[s\], and the whole cycle if nothing stopped it.
+    pub(crate) found: Insertion,
+    /// When the insertion began \[s\], and the whole cycle if nothing stopped it.
     pub(crate) insertion: f64,
-    pub(crate) end: f64,
     pub(crate) cycle: Option<f64>,
 }
 
@@ -112,91 +67,10 @@ fn cell(
 }
 
 fn run(cycle: &Cycle, way: (&'static str, Wrist, Impedance), error: [f64; 2], friction: f64) -> Result<Run, Failure> {
-    let cell = cell(way, error, friction)?;
-    let mut state = cell.rest(cycle.at(0.0)[0])?;
-    let energy = cell.energy(&state.q, &state.qd);
-    let mut run = Run {
-        way: way.0,
-        error,
-        friction,
-        samples: Vec::new(),
-        outcome: Outcome::Overloaded,
-        contact_force: 0.0,
-        push: 0.0,
-        side_force: 0.0,
-        depth: 0.0,
-        two_points: None,
-        ratios: [0.0; 2],
-        carried_error: 0.0,
-        imbalance: 0.0,
-        exchanged: 0.0,
-        insertion: cycle.insertion,
-        end: 0.0,
-        cycle: None,
-    };
-    let moving = |t: f64, q: &Numbers, v: &Numbers, a: &mut Numbers| {
-        *a = cell.accelerations(&cycle.at(t), &[0.0; 3], q, v);
-    };
-    let whole = cycle.end + REST;
-    // Each phase by itself: the acceleration wanted may jump between them.
-    for [from, to] in [[0.0, cycle.insertion], [cycle.insertion, cycle.end], [cycle.end, whole]] {
-        let mut next = from;
-        let summary = Dopri5::new(1e-7, 1e-9).integrate(moving, from, to, &mut state, |step| {
-            let (t, State { q, qd }) = (step.time(), step.state());
-            let push = cell.wrist_force(q, qd);
-            let touch = cell.touch(q, qd);
-            let now = cell.energy(q, qd) - energy;
-            run.imbalance = run.imbalance.max((now - qd[8]).abs());
-            run.exchanged = run.exchanged.max(now.abs());
-            if t <= cycle.insertion {
-                let wanted = cycle.at(t)[0];
-                let place = [q[4], q[5], q[6] - PEG.centre + LENGTH];
-                let error = (0..3).map(|i| (place[i] - wanted[i]).powi(2)).sum::<f64>().sqrt();
-                run.carried_error = run.carried_error.max(error);
-            } else {
-                run.contact_force = touch.normal.into_iter().fold(run.contact_force, f64::max);
-                run.push = run.push.max(-push[2]);
-                run.side_force = run.side_force.max(push[0].abs());
-                let first = || [touch.depth, run.error[1] - q[7]];
-                run.two_points = two_points(&touch.normal).then(|| run.two_points.unwrap_or_else(first));
-            }
-            let stop = -push[2] > GREATEST_PUSH;
-            if t >= next || stop {
-                next += PERIOD;
-                run.samples.push(Sample { t, push, normal: touch.normal, depth: touch.depth, tilt: q[7] });
-            }
-            if stop { ControlFlow::Break(t) } else { ControlFlow::Continue(()) }
-        })?;
-        run.end = summary.time;
-        if summary.stopped {
-            break;
-        }
-    }
-    let touch = cell.touch(&state.q, &state.qd);
-    let push = cell.wrist_force(&state.q, &state.qd);
-    run.depth = touch.depth;
-    // The support's force acts at its centre; its moment at the tip counts from x to z.
-    let moment = -cell.wrist.centre * push[0] + cell.wrist.stiffness[2] * state.q[7];
-    run.ratios = [push[0] / -push[2], moment / (PEG.radius * -push[2])];
-    run.outcome = outcome(&run, &touch.normal);
-    run.cycle = (run.outcome == Outcome::Inserted).then(|| cycle.time());
-    Ok(run)
-}
-
-/// A corner on one side and the edge on the other.
-fn two_points(&[left, right, left_edge, right_edge]: &[f64; 4]) -> bool {
-    (left > 0.0 && right_edge > 0.0) || (right > 0.0 && left_edge > 0.0)
-}
-
-fn outcome(run: &Run, normal: &[f64; 4]) -> Outcome {
-    let two_points = two_points(normal);
-    if run.depth >= DEPTH - SHORT {
-        Outcome::Inserted
-    } else if two_points && whitney::can_wedge(run.depth, PEG.radius, run.friction) {
-        Outcome::Wedged
-    } else if two_points && whitney::jams(run.ratios, run.depth, PEG.radius, run.friction) {
-        Outcome::Jammed
-    } else {
-        Outcome::Overloaded
-    }
+    let times = [cycle.insertion, cycle.end, cycle.end + REST];
+    let task = Task { wanted: &|t| cycle.at(t), times, depth: DEPTH, short: SHORT, greatest_push: GREATEST_PUSH };
+    let mut samples = Vec::new();
+    let found = cell(way, error, friction)?.insert(&task, |sample| samples.push(sample))?;
+    let whole = (found.outcome == Outcome::Inserted).then(|| cycle.time());
+    Ok(Run { way: way.0, error, friction, samples, found, insertion: cycle.insertion, cycle: whole })
 }

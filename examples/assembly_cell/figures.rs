@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use mbs_arm::assembly::Sample;
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 
 use crate::ASSUMED;
-use crate::cases::{Run, Sample};
+use crate::cases::Run;
 
 /// The friction that is drawn.
 const FRICTION: f64 = 0.3;
@@ -36,7 +37,7 @@ pub(crate) fn write(folder: &Path, runs: &[Run]) -> Result<(), Failure> {
 
 /// From just before the peg is at the hole.
 fn panel(label: &str, runs: &[&Run], value: &dyn Fn(&Sample) -> f64) -> Panel {
-    let end = runs.iter().map(|run| run.end).fold(0.0, f64::max);
+    let end = runs.iter().map(|run| run.found.end).fold(0.0, f64::max);
     let from = runs[0].insertion;
     let line = |run: &&Run| {
         let seen = run.samples.iter().filter(|sample| sample.t >= from);

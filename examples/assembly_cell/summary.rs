@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use mbs_arm::assembly::whitney;
+use mbs_arm::assembly::{Outcome, whitney};
 use serde_json::{Value, json};
 
-use crate::cases::{CLEARANCE, GREATEST_PUSH, Outcome, PEG, Run};
+use crate::cases::{CLEARANCE, GREATEST_PUSH, PEG, Run};
 
 pub(crate) fn word(outcome: Outcome) -> &'static str {
     match outcome {
@@ -18,7 +18,7 @@ pub(crate) fn word(outcome: Outcome) -> &'static str {
 
 /// Where both sides began to touch, where they do by geometry with the same lean, and whether they can wedge there.
 fn two_points(run: &Run) -> Option<Value> {
-    run.two_points.map(|[depth, lean]| {
+    run.found.two_points.map(|[depth, lean]| {
         json!({
             "depth": depth,
             "lean": lean,
@@ -35,19 +35,19 @@ pub(crate) fn to_json(runs: &[Run]) -> Value {
             "hole_aside": run.error[0],
             "hole_tilt": run.error[1],
             "friction": run.friction,
-            "outcome": word(run.outcome),
-            "depth": run.depth,
-            "contact_force_max": run.contact_force,
-            "push_max": run.push,
-            "side_force_max": run.side_force,
+            "outcome": word(run.found.outcome),
+            "depth": run.found.depth,
+            "contact_force_max": run.found.contact_force,
+            "push_max": run.found.push,
+            "side_force_max": run.found.side_force,
             "two_points": two_points(run),
-            "force_ratio_end": run.ratios[0],
-            "moment_ratio_end": run.ratios[1],
-            "carried_error_max": run.carried_error,
-            "end": run.end,
+            "force_ratio_end": run.found.ratios[0],
+            "moment_ratio_end": run.found.ratios[1],
+            "carried_error_max": run.found.carried_error,
+            "end": run.found.end,
             "cycle_time": run.cycle,
-            "energy_imbalance": run.imbalance,
-            "energy_exchanged": run.exchanged,
+            "energy_imbalance": run.found.energy[0],
+            "energy_exchanged": run.found.energy[1],
         })
     };
     json!({ "greatest_push": GREATEST_PUSH, "runs": runs.iter().map(row).collect::<Vec<_>>() })
@@ -61,7 +61,7 @@ pub(crate) fn text(runs: &[Run]) -> String {
     );
     for run in runs {
         let cycle = run.cycle.map_or_else(|| "–".to_string(), |time| format!("{time:.2}"));
-        let both = run.two_points.map_or_else(|| "–".to_string(), |[depth, _]| format!("{:.2}", 1e3 * depth));
+        let both = run.found.two_points.map_or_else(|| "–".to_string(), |[depth, _]| format!("{:.2}", 1e3 * depth));
         // Writing to a string does not fail.
         let _ = writeln!(
             text,
@@ -70,11 +70,11 @@ pub(crate) fn text(runs: &[Run]) -> String {
             1e3 * run.error[0],
             1e3 * run.error[1],
             run.friction,
-            word(run.outcome),
-            1e3 * run.depth,
-            run.contact_force,
-            run.push,
-            run.side_force,
+            word(run.found.outcome),
+            1e3 * run.found.depth,
+            run.found.contact_force,
+            run.found.push,
+            run.found.side_force,
         );
     }
     text + "\nBoth at: the depth from which on both sides of the peg touch, to the end. A cycle has the way back in it, which is planned and not computed.\n"

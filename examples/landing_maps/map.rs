@@ -3,8 +3,7 @@
 use mbs_examples::Failure;
 use mbs_examples::quadrotor_landing::flight::{PLACE, TOLERANCE};
 use mbs_landing::quadrotor::approach::Approach;
-use mbs_landing::quadrotor::backstepping::Reference;
-use mbs_landing::quadrotor::deck::{Deck, DeckState};
+use mbs_landing::quadrotor::deck::Swell;
 use mbs_landing::quadrotor::landing::{Controller, LEVEL, Landing, Plant};
 use mbs_landing::quadrotor::lqr::{Lqr, Weights};
 use mbs_models::Error;
@@ -89,31 +88,6 @@ impl Law {
     }
 }
 
-/// A level deck that heaves by `A sin(ωt + φ)`.
-#[derive(Clone, Copy, Debug)]
-struct Swell {
-    amplitude: f64,
-    frequency: f64,
-    /// The phase \[rad\].
-    phase: f64,
-}
-
-impl Deck for Swell {
-    fn at(&self, t: f64) -> DeckState {
-        let Swell { amplitude: a, frequency: w, phase } = *self;
-        let (sin, cos) = (w * t + phase).sin_cos();
-        let [x, y] = PLACE;
-        DeckState {
-            position: [x, y, a * sin],
-            velocity: [0.0, 0.0, a * w * cos],
-            acceleration: [0.0, 0.0, -a * w * w * sin],
-            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            angular_velocity: [0.0; 3],
-            heading: Reference::default(),
-        }
-    }
-}
-
 /// What became of a landing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outcome {
@@ -169,7 +143,7 @@ impl Map {
             .iter()
             .flat_map(|phase| grid.frequencies.iter().map(move |w| (phase.to_radians(), *w)))
             .flat_map(|(phase, frequency)| {
-                grid.amplitudes.iter().map(move |&amplitude| Swell { amplitude, frequency, phase })
+                grid.amplitudes.iter().map(move |&amplitude| Swell { place: PLACE, amplitude, frequency, phase })
             })
             .collect();
         let flown: Vec<Result<Outcome, String>> = decks

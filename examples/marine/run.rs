@@ -119,11 +119,9 @@ impl Run {
             }
         })?;
         let (hull, mut least_air_gap, mut least_depth) = (at_sea.hull(), f64::INFINITY, f64::INFINITY);
-        let [x, y] = hull.params.column_place;
         // Five times a second.
         for moment in moments.iter().step_by(4) {
-            for (depth, place) in hull.depths(&moment.q).into_iter().zip([[x, y], [x, -y], [-x, y], [-x, -y]]) {
-                let wet = depth + sea.elevation(place, moment.time);
+            for wet in hull.depths_under(&moment.q, |place| sea.elevation(place, moment.time)) {
                 least_air_gap = least_air_gap.min(hull.draught + FREEBOARD - wet);
                 least_depth = least_depth.min(wet);
             }
@@ -150,35 +148,4 @@ fn landing(samples: &[[Coordinates; 3]]) -> Result<Touchdown, Failure> {
     let motion = Recorded { step: PERIOD, samples };
     let deck = MovingDeck { motion, base: [12.0 - FIELD[0], 7.0 - FIELD[1], -FIELD[2]], point: FIELD };
     Ok(Landing::on(Plant::Exact, deck).simulate(Landing::initial_state(), |_, _, _| ())?)
-}
-
-/// Of a record with equal steps.
-#[derive(Clone, Copy)]
-pub(crate) struct Statistics {
-    pub(crate) mean: f64,
-    /// Standard deviation.
-    pub(crate) rms: f64,
-    /// The greatest deviation from the mean.
-    pub(crate) greatest: f64,
-    /// Mean time between two upward crossings of the mean, in steps.
-    pub(crate) crossing: f64,
-}
-
-impl Statistics {
-    pub(crate) fn of(values: &[f64]) -> Self {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let rms = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-        let greatest = values.iter().fold(0.0_f64, |most, value| most.max((value - mean).abs()));
-        let upward = |k: &usize| values[*k] < mean && values[*k + 1] >= mean;
-        let crossings: Vec<usize> = (0..values.len() - 1).filter(upward).collect();
-        let between = crossings.len().saturating_sub(1) as f64;
-        let span = crossings.last().zip(crossings.first()).map_or(0.0, |(last, first)| (last - first) as f64);
-        Statistics { mean, rms, greatest, crossing: span / between }
-    }
-
-    /// Of a normal process the mean of the greatest third of the double amplitudes, about.
-    pub(crate) fn significant_double_amplitude(&self) -> f64 {
-        4.0 * self.rms
-    }
 }

@@ -3,10 +3,11 @@
 use mbs_examples::Failure;
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_platform::marine::control::linearized;
+use mbs_platform::marine::statistics::Statistics;
 use mbs_runtime::control::{Complex, damping_ratio, natural_frequency};
 use serde_json::{Map, Value, json};
 
-use crate::run::{PERIOD, Run, Statistics, Study};
+use crate::run::{PERIOD, Run, Study};
 
 pub(crate) const COORDINATES: [(&str, &str); 4] = [("heave", "m"), ("roll", "°"), ("pitch", "°"), ("yaw", "°")];
 const THRUSTERS: [&str; 6] =

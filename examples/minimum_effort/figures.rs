@@ -2,10 +2,11 @@
 
 use std::path::Path;
 
+use mbs_arm::trajectory::minimum_effort::front::Choice;
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 
-use crate::front::{Choice, Front};
+use crate::front::Front;
 use crate::motion::{Comparison, DURATION, Sample, effort};
 
 pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Result<(), Failure> {

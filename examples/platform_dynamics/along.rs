@@ -8,7 +8,7 @@ use std::str::FromStr;
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::platform_dynamics::tables::PAYLOAD_OF_TABLE_4;
 use mbs_examples::{Failure, output};
-use mbs_platform::sensitivity::{Output, Parameter};
+use mbs_platform::sensitivity::{Largest, OUTPUTS, Output, Parameter};
 use mbs_platform::{Motion, Platform};
 use serde_json::{Map, Value, json};
 
@@ -49,27 +49,12 @@ fn unit(output: Output, parameter: Parameter) -> String {
     format!("{}/({})", output.unit(), parameter.unit())
 }
 
-/// The derivative of greatest magnitude, and when \[s\].
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Largest {
-    pub(crate) value: f64,
-    time: f64,
-}
-
-impl Largest {
-    fn take_in(&mut self, value: f64, time: f64) {
-        if value.abs() > self.value.abs() {
-            *self = Self { value, time };
-        }
-    }
-}
-
 /// Of one case, by parameter and output, in the order of [`Parameter::all`] and [`Output::all`].
 pub(crate) struct Table {
     number: usize,
     name: &'static str,
     motion: Motion,
-    rows: Vec<(Parameter, Vec<Largest>)>,
+    rows: Vec<(Parameter, [Largest; OUTPUTS])>,
 }
 
 fn times(motion: &Motion, step: f64) -> impl Iterator<Item = f64> {
@@ -80,18 +65,9 @@ fn times(motion: &Motion, step: f64) -> impl Iterator<Item = f64> {
 /// The tables of every case.
 pub(crate) fn tables(platform: &Platform) -> Result<Vec<Table>, Failure> {
     let loaded = platform.with_payload(f64::from(PAYLOAD_OF_TABLE_4))?;
-    let row = |motion: &Motion, parameter: Parameter| -> Result<(Parameter, Vec<Largest>), Failure> {
-        let mut largest = vec![Largest::default(); Output::all().count()];
-        for t in times(motion, STEP) {
-            let legs = loaded.leg_state_by(parameter, motion, t)?;
-            for (largest, output) in largest.iter_mut().zip(Output::all()) {
-                largest.take_in(output.of(&legs).derivative, t);
-            }
-        }
-        Ok((parameter, largest))
-    };
     let table = |(i, &(name, motion)): (usize, &(&'static str, Motion))| -> Result<Table, Failure> {
-        let rows = Parameter::all().map(|parameter| row(&motion, parameter)).collect::<Result<_, _>>()?;
+        let row = |parameter| Ok((parameter, loaded.largest_derivatives(parameter, &motion, times(&motion, STEP))?));
+        let rows = Parameter::all().map(row).collect::<Result<_, Failure>>()?;
         Ok(Table { number: i + 1, name, motion, rows })
     };
     Motion::CASES.iter().enumerate().map(table).collect()
@@ -105,7 +81,7 @@ impl Table {
             let forces = Output::all().zip(row).filter(|(output, _)| matches!(output, Output::Force(_)));
             forces.map(|(_, largest)| largest.value.abs()).fold(0.0, f64::max)
         };
-        let change = |(parameter, row): &(Parameter, Vec<Largest>)| {
+        let change = |(parameter, row): &(Parameter, [Largest; OUTPUTS])| {
             (*parameter, 0.01 * parameter.value(platform.params(), &self.motion).abs() * largest_force(row))
         };
         let mut changes: Vec<_> = self.rows.iter().map(change).collect();
@@ -115,7 +91,7 @@ impl Table {
 
     /// By parameter the leg with the largest derivative of each kind.
     fn to_json(&self) -> Value {
-        let entry = |(parameter, row): &(Parameter, Vec<Largest>)| {
+        let entry = |(parameter, row): &(Parameter, [Largest; OUTPUTS])| {
             let kinds: Map<String, Value> = ["length", "speed", "force", "power"]
                 .into_iter()
                 .zip(row.chunks(6))

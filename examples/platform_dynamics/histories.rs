@@ -7,7 +7,7 @@ use mbs_chart::curves::numbered;
 use mbs_chart::{Figure, Panel};
 use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS};
 use mbs_examples::{Failure, output};
-use mbs_platform::limits::{Excess, LegState, Quantity, Survey};
+use mbs_platform::limits::{Excess, Extreme, LegState, Quantity, Survey, extremes};
 use mbs_platform::{LegVector, Motion, Platform};
 use serde_json::{Map, Value, json};
 
@@ -35,18 +35,8 @@ pub(crate) struct History {
     pub(crate) legs: Vec<LegState>,
 }
 
-/// A value, the leg that has it, counted from 1, and when \[s\].
-#[derive(Clone, Copy)]
-pub(crate) struct Extreme {
-    pub(crate) value: f64,
-    leg: usize,
-    time: f64,
-}
-
-impl Extreme {
-    fn to_json(self) -> Value {
-        json!({"value": self.value, "leg": self.leg, "time": self.time})
-    }
+fn extreme(Extreme { value, leg, time }: Extreme) -> Value {
+    json!({"value": value, "leg": leg, "time": time})
 }
 
 /// What a panel or a group of columns shows, with its unit.
@@ -77,19 +67,7 @@ pub(crate) fn all(platform: &Platform) -> Result<Vec<History>, Failure> {
 impl History {
     /// The least and the greatest value of any leg, each where it is first met.
     pub(crate) fn extremes(&self, of: fn(&LegState) -> LegVector) -> [Extreme; 2] {
-        let mut found = [f64::INFINITY, f64::NEG_INFINITY].map(|value| Extreme { value, leg: 0, time: 0.0 });
-        for (&time, legs) in self.times.iter().zip(&self.legs) {
-            for (leg, value) in of(legs).into_iter().enumerate() {
-                let here = Extreme { value, leg: leg + 1, time };
-                if value < found[0].value {
-                    found[0] = here;
-                }
-                if value > found[1].value {
-                    found[1] = here;
-                }
-            }
-        }
-        found
+        extremes(self.times.iter().zip(&self.legs).map(|(&time, legs)| (time, of(legs))))
     }
 
     /// Of all six legs together \[W\], at every sample.
@@ -99,7 +77,7 @@ impl History {
 
     fn to_json(&self, survey: &Survey) -> Value {
         let pair = |(_, of): (&str, fn(&LegState) -> LegVector)| {
-            let [least, greatest] = self.extremes(of).map(Extreme::to_json);
+            let [least, greatest] = self.extremes(of).map(extreme);
             json!({"least": least, "greatest": greatest})
         };
         let total = self.total_power().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);

@@ -3,6 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{CommandFactory, FromArgMatches, Parser};
+use serde_json::Value;
+
+use crate::assumed;
 
 /// The arguments that every example takes, and options of its own.
 #[derive(Clone, Debug, Parser)]
@@ -32,6 +35,15 @@ impl<O: clap::Args> Arguments<O> {
     pub fn with_options(source: &str) -> Self {
         let command = described(Self::command(), source);
         Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
+    }
+
+    /// Prints one JSON object or a summary, with what the numbers rest on: rows of `docs/thesis/assumed.md`.
+    pub fn answer(&self, results: Value, summary: &str, keys: &[&str]) {
+        if self.json {
+            crate::println!("{}", assumed::with(results, keys));
+        } else {
+            crate::print!("{summary}{}", assumed::text(keys));
+        }
     }
 }
 

@@ -1,9 +1,11 @@
-//! What the examples share: their arguments, what they assume, the files they write, how they fail; and the
-//! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw.
+//! What the examples share: their arguments, what they assume, the files they write, how they fail; the
+//! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw; and what `benches/`
+//! times, too.
 
 pub mod arguments;
 pub mod arm_trajectory;
 pub mod assumed;
+pub mod chains;
 pub mod figures;
 pub mod output;
 pub mod platform_dynamics;

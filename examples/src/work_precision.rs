@@ -70,6 +70,17 @@ fn report<F: Force>(problem: &Problem<F>) -> Result<Report, Failure> {
     Ok(Report { problem: problem.name, methods: methods(problem)?, crates })
 }
 
+/// One period of the Arenstorf orbit by DOP853 of a crate, by its name in [`Report::crates`]: what `benches/` times.
+///
+/// # Errors
+/// What the crate fails with; there is none of this name.
+pub fn arenstorf(of: &str, tolerance: f64) -> Result<Point, Failure> {
+    let problem = problems::arenstorf();
+    let mut contenders = contenders(&problem).into_iter();
+    let (_, run) = contenders.find(|(name, _)| *name == of).ok_or_else(|| format!("there is no crate {of}"))?;
+    run(tolerance)
+}
+
 fn contenders<F: Force>(problem: &Problem<F>) -> Vec<(&'static str, Contender<'_>)> {
     vec![
         ("mbs_runtime", Box::new(|tolerance| run(problem, &Dop853::new(tolerance, tolerance), tolerance))),

@@ -6,8 +6,9 @@ use mbs_chart::curves::numbered;
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::{Failure, output};
 use mbs_landing::quadrotor::standing::Moment;
+use mbs_landing::quadrotor::standing::{Legs, Stand};
 
-use crate::run::{BEFORE, Legs, OnDeck, OnPlatform};
+use crate::run::{BEFORE, OnDeck, OnPlatform};
 
 /// What is shown after the first touch \[s\].
 const AFTER: f64 = 1.5;
@@ -50,7 +51,7 @@ pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
 
 /// `touchdown_NAME_platform`: what the feet do to the deck, and the platform's legs before, at and after the impact.
 pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<(), Failure> {
-    let OnPlatform { name, legs, landing, .. } = on_platform;
+    let OnPlatform { name, stand: Stand { legs, landing, .. }, .. } = on_platform;
     let range = landing.time - BEFORE..landing.time + AFTER;
     let shown: Vec<&Legs> = legs.iter().filter(|legs| range.contains(&legs.time)).collect();
     let of = |value: &dyn Fn(&Legs) -> f64| -> Vec<_> { shown.iter().map(|legs| (legs.time, value(legs))).collect() };

@@ -8,9 +8,9 @@ use mbs_landing::quadrotor::deck::{Deck, MovingDeck};
 use mbs_landing::quadrotor::driven::Drive;
 use mbs_landing::quadrotor::gear::{Damping, Gear};
 use mbs_landing::quadrotor::landing::{Landing, Plant};
-use mbs_landing::quadrotor::standing::{Carried, Moment, Planned, Settled, Standing, Start, with_quaternion};
+use mbs_landing::quadrotor::standing::{Moment, Planned, Settled, Stand, Standing, Start, with_quaternion};
 use mbs_landing::quadrotor::touchdown::Touchdown;
-use mbs_platform::{HOME, LegVector, Motion, PlatformMotion, Superposition};
+use mbs_platform::{HOME, Motion, Superposition};
 use mbs_runtime::State;
 use mbs_runtime::control::ComputedTorque;
 
@@ -96,35 +96,12 @@ pub(crate) fn on_planned_decks() -> Result<Vec<OnDeck>, Failure> {
     Ok(vec![first?, second?, landed(MARINE, marine(Superposition::MARINE))?])
 }
 
-/// What the platform's legs do at a moment, and how far it is from its plan \[m\].
-pub(crate) struct Legs {
-    pub(crate) time: f64,
-    pub(crate) forces: LegVector,
-    pub(crate) off: f64,
-    /// Of the vehicle's feet on the deck, along its normal \[N\].
-    pub(crate) contact: f64,
-}
-
 /// A vehicle on the platform under control.
 pub(crate) struct OnPlatform {
     pub(crate) name: &'static str,
     /// Of the motion, so that the legs keep their limits without the vehicle.
     pub(crate) scale: f64,
-    pub(crate) landing: Touchdown,
-    pub(crate) settled: Settled,
-    /// From [`BEFORE`] the first touch on.
-    pub(crate) legs: Vec<Legs>,
-    /// The greatest force of a leg before and after the first touch \[N\].
-    pub(crate) greatest: [f64; 2],
-    /// How the legs' vertical forces changed from the last moment before the touch to the end, less what the deck's
-    /// motion asks for \[N\].
-    pub(crate) added_lift: f64,
-    /// What the vehicle presses the deck down with at the end \[N\]: its weight, and what its acceleration takes.
-    pub(crate) push: f64,
-    /// The vehicle's weight \[N\].
-    pub(crate) weight: f64,
-    /// Of the platform's frame below its plan at the end \[m\].
-    pub(crate) sag: f64,
+    pub(crate) stand: Stand,
 }
 
 fn carried<const K: usize>(
@@ -134,54 +111,10 @@ fn carried<const K: usize>(
 ) -> Result<OnPlatform, Failure> {
     let platform = platform()?;
     let scale = admissible(&platform, motion)?;
-    let motion = motion.scaled(scale);
-    let landing = guided(over_base(motion, point));
+    let landing = guided(over_base(motion.scaled(scale), point));
     let drive = Drive { platform, control: ComputedTorque::critically_damped(NATURAL_FREQUENCY)? };
-    let mut legs = Vec::new();
-    let end = landing.simulate_driven(Landing::initial_state(), &drive, PERIOD, |moment| {
-        let off = moment.platform.q[2] - landing.deck.motion.at(moment.time)[0][2];
-        legs.push(Legs { time: moment.time, forces: moment.legs.force, off, contact: 0.0 });
-    })?;
-    let Touchdown { time, state: vehicle, deck, .. } = end.touchdown;
-    let start = Start {
-        time,
-        vehicle: with_quaternion(&vehicle),
-        platform: end.platform,
-        rotor_speed: landing.command_over(&deck, time, &vehicle.q, &vehicle.qd).rotors.speed,
-    };
-    let carrier = Carried { deck: landing.deck, drive, controlled: true };
-    let (mut after, mut failed) = (Vec::new(), None);
-    let standing = Standing::new(Gear::default());
-    let settled =
-        standing.simulate(&carrier, &start, |moment| match carrier.forces(moment.time, &moment.platform) {
-            Ok(forces) => {
-                let off = moment.platform.q[2] - carrier.deck.motion.at(moment.time)[0][2];
-                let contact = moment.contact.normal.iter().sum();
-                after.push(Legs { time: moment.time, forces, off, contact });
-            }
-            Err(error) => failed = Some(error),
-        })?;
-    if let Some(error) = failed {
-        return Err(error.into());
-    }
-    let greatest =
-        |legs: &[Legs]| legs.iter().flat_map(|legs| legs.forces).fold(0.0_f64, |most, force| most.max(force.abs()));
-    let greatest = [greatest(&legs), greatest(&after)];
-    // At the end, against what the same motion of the platform asks for without the vehicle.
-    let last = &settled.last;
-    let platform = &carrier.drive.platform;
-    let directions = platform.legs(&last.platform.q)?.direction;
-    let lift = |forces: &LegVector| (0..6).map(|i| forces[i] * directions[i][2]).sum::<f64>();
-    let plan = carrier.deck.motion.at(last.time)[2];
-    let alone = platform.leg_forces(&last.platform.q, &last.platform.qd, &plan)?;
-    let added_lift = lift(&carrier.forces(last.time, &last.platform)?) - lift(&alone);
-    let sag = carrier.deck.motion.at(last.time)[0][2] - last.platform.q[2];
-    let push = last.contact.force.z;
-    let params = standing.vehicle.params();
-    let weight = params.m * params.g;
-    legs.retain(|legs| legs.time > time - BEFORE);
-    legs.extend(after);
-    Ok(OnPlatform { name, scale, landing: end.touchdown, settled, legs, greatest, added_lift, push, weight, sag })
+    let stand = Stand::of(&landing, drive, &Standing::new(Gear::default()), PERIOD, BEFORE)?;
+    Ok(OnPlatform { name, scale, stand })
 }
 
 pub(crate) fn on_the_platform() -> Result<Vec<OnPlatform>, Failure> {

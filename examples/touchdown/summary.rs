@@ -42,15 +42,15 @@ fn on_deck(on_deck: &OnDeck) -> (String, Value) {
 }
 
 fn on_platform(on_platform: &OnPlatform) -> (String, Value) {
-    let mut results = settled(&on_platform.settled);
-    results["touchdown_velocity"] = on_platform.landing.relative_velocity.into();
+    let mut results = settled(&on_platform.stand.settled);
+    results["touchdown_velocity"] = on_platform.stand.landing.relative_velocity.into();
     results["scale"] = on_platform.scale.into();
-    results["platform_leg_force_max_before"] = on_platform.greatest[0].into();
-    results["platform_leg_force_max_after"] = on_platform.greatest[1].into();
-    results["added_lift"] = on_platform.added_lift.into();
-    results["push"] = on_platform.push.into();
-    results["weight"] = on_platform.weight.into();
-    results["sag"] = on_platform.sag.into();
+    results["platform_leg_force_max_before"] = on_platform.stand.greatest[0].into();
+    results["platform_leg_force_max_after"] = on_platform.stand.greatest[1].into();
+    results["added_lift"] = on_platform.stand.added_lift.into();
+    results["push"] = on_platform.stand.push.into();
+    results["weight"] = on_platform.stand.weight.into();
+    results["sag"] = on_platform.stand.sag.into();
     (on_platform.name.to_string(), results)
 }
 
@@ -86,19 +86,19 @@ pub(crate) fn text(touchdowns: &Touchdowns) -> String {
     text += &touchdowns.planned.iter().map(|one| line(one.name, &one.settled)).collect::<String>();
     text += "\nGuided landings on the Stewart platform under its control, which does not know of the vehicle\n";
     for one in &touchdowns.carried {
-        text += &line(one.name, &one.settled);
+        text += &line(one.name, &one.stand.settled);
         text += &format!(
             "            motion × {:.3}; a leg of the platform bears up to {:.0} N before and {:.0} N after; at the end they lift {:.1} N more, the vehicle presses with {:.1} N, its weight is {:.1} N; {:.1} mm below the plan\n",
             one.scale,
-            one.greatest[0],
-            one.greatest[1],
-            one.added_lift,
-            one.push,
-            one.weight,
-            1e3 * one.sag
+            one.stand.greatest[0],
+            one.stand.greatest[1],
+            one.stand.added_lift,
+            one.stand.push,
+            one.stand.weight,
+            1e3 * one.stand.sag
         );
     }
     let worst = touchdowns.by_hand.iter().chain(&touchdowns.planned).map(|one| one.settled.energy_error);
-    let worst = worst.chain(touchdowns.carried.iter().map(|one| one.settled.energy_error)).fold(0.0, f64::max);
+    let worst = worst.chain(touchdowns.carried.iter().map(|one| one.stand.settled.energy_error)).fold(0.0, f64::max);
     text + &format!("\nThe balance of energy holds to {worst:.1e} of what was turned over.\n")
 }

@@ -120,9 +120,11 @@ impl<'d> Equations<'d> {
         }
     }
 
-    /// Puts the results of a function of the constraints at a state.
+    /// Puts the results of a function of the constraints at a state, which there is where there are some.
     fn put_rows(&self, kind: FunctionKind, t: f64, q: &[f64], qd: &[f64], results: &mut [f64]) {
-        self.at(t, q, qd, |state| self.put(self.number(kind), state, results));
+        if !results.is_empty() {
+            self.at(t, q, qd, |state| self.put(self.number(kind), state, results));
+        }
     }
 
     fn number(&self, kind: FunctionKind) -> usize {

@@ -64,8 +64,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => {
             let codes: Vec<String> = Diagnostic::codes().collect();
             let near = Diagnostic::nearest(&wanted, codes.iter().map(String::as_str));
-            let hint = near.map_or(String::new(), |near| format!("; did you mean {near}?"));
-            Err(Failure::new(format_args!("there is no code `{asked}`{hint} `mbs explain` lists them")))
+            let hint = near.map_or(String::new(), |near| format!(" (did you mean {near}?)"));
+            Err(Failure::new(format_args!("there is no code `{asked}`{hint}; `mbs explain` lists them")))
         }
     }
 }

@@ -5,6 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use mbs_derive::source::Sources;
+use serde_json::json;
 
 use crate::failure::Failure;
 use crate::message::Messages;
@@ -25,6 +26,7 @@ pub(crate) struct Arguments {
 /// Formats each file by itself: one that cannot be read is reported and left alone, the others are formatted.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let mut reports = Messages::default();
+    let mut replaced: Vec<&Path> = Vec::new();
     for path in &arguments.files {
         match formatted(path) {
             Ok(text) if arguments.check => {
@@ -35,16 +37,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             }
             Ok(text) => {
                 let written = match path == Path::new("-") {
-                    true => output::print(&text.formatted),
+                    true => output::answer(|| json!({ "text": text.formatted }), || text.formatted.clone()),
                     false if text.is_changed => write(path, &text.formatted),
                     false => Ok(()),
                 };
-                if let Err(failure) = written {
-                    reports.append(failure.messages());
+                match written {
+                    Ok(()) if text.is_changed && path != Path::new("-") => replaced.push(path),
+                    Ok(()) => {}
+                    Err(failure) => reports.append(failure.messages()),
                 }
             }
             Err(failure) => reports.append(failure.messages()),
         }
+    }
+    if !arguments.check && arguments.files.iter().any(|path| path != Path::new("-")) {
+        output::wrote(&replaced)?;
     }
     if reports.is_empty() { Ok(()) } else { Err(reports.into()) }
 }

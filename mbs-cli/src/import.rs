@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use mbs_derive::diagnostic::Diagnostics;
 use mbs_derive::parse;
 use mbs_derive::source::Sources;
+use serde_json::json;
 
 use crate::failure::Failure;
 use crate::files::Files;
@@ -62,8 +63,11 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let of_robot = |found: &Diagnostics| Messages::of(found, &Sources::new(&name, &xml));
     let (text, warnings) = found.map_err(|errors| Failure::from(of_robot(&errors)))?;
     match &arguments.out {
-        None => output::print(&text)?,
-        Some(path) => output::write(path, text.as_bytes())?,
+        None => output::answer(|| json!({ "text": text }), || text.clone())?,
+        Some(path) => {
+            output::write(path, text.as_bytes())?;
+            output::wrote(&[path])?;
+        }
     }
     output::report(&of_robot(&warnings));
     Ok(())

@@ -31,7 +31,8 @@ pub(crate) fn run(arguments: &Arguments, mut command: clap::Command) -> Result<(
         let page = rendered(command).map_err(|error| cannot(&error))?;
         return output::answer(|| json!({ "page": page }), || page.clone());
     };
-    fs::create_dir_all(folder).map_err(|error| cannot(&error))?;
+    fs::create_dir_all(folder)
+        .map_err(|error| Failure::new(format_args!("cannot make the folder {}: {error}", folder.display())))?;
     let mut pages = vec![("mbs.1".to_string(), rendered(command.clone()).map_err(|error| cannot(&error))?)];
     for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
         let name = format!("mbs-{}", sub.get_name());

@@ -19,7 +19,7 @@ use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::{Analysis, Digest};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::cache::Cache;
 use crate::failure::Failure;
@@ -84,8 +84,11 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     };
     let page = page::page(&sources, &parts, &start, arguments.t_end)?;
     match &arguments.out {
-        Some(out) => output::write(out, page.as_bytes()),
-        None => output::print(&page),
+        Some(out) => {
+            output::write(out, page.as_bytes())?;
+            output::wrote(&[out])
+        }
+        None => output::answer(|| json!({ "page": page }), || page.clone()),
     }
 }
 

@@ -133,7 +133,7 @@ impl<'g> Analysis<'g> {
     ///     Instruction::Mul(a, b) => *instruction = Instruction::Add(a, b),
     ///     _ => {}
     /// };
-    /// programs.functions.iter_mut().flat_map(|function| &mut function.program.instructions).for_each(wrong);
+    /// programs.altered().functions.iter_mut().flat_map(|function| &mut function.program.instructions).for_each(wrong);
     /// assert!(analysis.prove(&programs).is_err());
     /// ```
     ///
@@ -181,7 +181,7 @@ impl<'g> Analysis<'g> {
             None => Ok(()),
             Some(name) => {
                 // All of them, also those that were left out.
-                let known = derived(&self.lagrangian).functions.into_iter().map(|f| f.name).collect();
+                let known = derived(&self.lagrangian).functions.iter().map(|f| f.name.clone()).collect();
                 Err(Error::UnknownFunction { name: name.clone(), known })
             }
         }

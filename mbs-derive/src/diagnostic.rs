@@ -23,7 +23,7 @@ mod replacement;
 
 use std::fmt;
 
-use crate::source::Sources;
+use crate::source::{Sources, is_written_robot};
 use crate::span::Span;
 
 pub(crate) use code::Code;
@@ -335,7 +335,12 @@ fn marked(title: &str, span: &Span, sources: &Sources) -> (String, String) {
     let Excerpt { line, column, text, indent, width } = excerpt(source, &span);
     let (number, gutter) = (line.to_string(), " ".repeat(line.to_string().len()));
     let underline = format!("{}{}", " ".repeat(indent), "^".repeat(width));
-    let mut block = format!("{title}\n{gutter}--> {file_name}:{line}:{column}\n{gutter} |\n");
+    // The text of a robot that is imported is what `mbs import` prints.
+    let file = match is_written_robot(file_name, source) {
+        true => format!("`mbs import {file_name}`"),
+        false => file_name.to_string(),
+    };
+    let mut block = format!("{title}\n{gutter}--> {file}:{line}:{column}\n{gutter} |\n");
     block += format!("{number} | {text}").trim_end();
     block += &format!("\n{gutter} | {underline}\n");
     (block, gutter)

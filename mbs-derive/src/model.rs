@@ -56,7 +56,7 @@ pub(crate) fn resolve<'g>(
         if drawn.report.errors.has_errors() {
             return Err(drawn.report.errors);
         }
-        resolver.lagrangian.drawn = Some(Box::new(drawn.lagrangian));
+        resolver.lagrangian.drawn = Some(Box::new(Lagrangian(drawn.lagrangian)));
     }
     if !resolver.report.errors.has_errors() {
         resolver.check(&declaration.name);
@@ -69,9 +69,9 @@ pub(crate) fn resolve<'g>(
         if report.errors.has_errors() {
             return Err(report.errors);
         }
-        resolver.lagrangian.released = Some(Box::new(lagrangian));
+        resolver.lagrangian.released = Some(Box::new(Lagrangian(lagrangian)));
     }
-    Ok((resolver.lagrangian, resolver.report.errors))
+    Ok((Lagrangian(resolver.lagrangian), resolver.report.errors))
 }
 
 /// What is wrong with a declaration or doubtful in it, and what its names stand for, in words, by their places: also

@@ -1,6 +1,6 @@
 //! Pass 4: `Equations` → [`Derivation`]: one straight-line [`Program`] per function, scheduled from its own roots.
 //!
-//! - `program`: what a Program is;
+//! - `derivation`: what comes of it; `program`: what a Program is;
 //! - `region`: what is computed on one side of a branch only;
 //! - `lower`: graph nodes → instructions; powers become products, quotients and square roots;
 //! - `schedule`: order, and hoisting of what depends on parameters alone;
@@ -9,6 +9,7 @@
 //! Mechanics ends here: this pass only preserves values.
 
 pub(crate) mod cost;
+mod derivation;
 pub(crate) mod lower;
 pub(crate) mod program;
 pub(crate) mod region;
@@ -19,70 +20,18 @@ use crate::derive;
 use crate::equations::{Equations, Route};
 use crate::expr::{Expr, Graph, Spline, Symbol, without_vanishing_sums};
 use crate::model::requirement::{Condition, Requirement, requirements};
-use crate::model::{Constraint, Lagrangian, Reaction};
+use crate::model::{Constraint, Lagrangian};
 use crate::variable::Variable;
 
 pub use crate::catalogue::{Argument, Completion, FunctionKind};
 pub use crate::shape::{ResultPart, Shape};
 pub use cost::Operations;
+pub use derivation::Derivation;
+pub(crate) use derivation::Derived;
 pub(crate) use program::Value;
 pub use program::{Instruction, Program};
 
 use schedule::{Forms, Hoisting};
-
-/// A mechanism ready to be proved, emitted or interpreted.
-///
-/// With the feature `serde` it can be written and read again, by the same version of this crate; reading does not prove
-/// it.
-///
-/// ```
-/// use mbs_derive::{Analysis, expr::Graph, source::Sources};
-/// let text = "mechanism Spring { param k: N/m = 4; coord x: m; kinetic += 1 kg*dt(x)^2/2; potential += k*x^2/2; }";
-/// let graph = Graph::verbatim();
-/// let analysis = Analysis::of(&Sources::new("spring.mbs", text), &graph).unwrap();
-/// let names: Vec<&str> = analysis.programs().functions.iter().map(|f| f.name.as_str()).collect();
-/// assert!(names.contains(&"forward_dynamics"));
-/// ```
-#[derive(Clone, Debug)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Derivation {
-    /// In upper camel case, as declared.
-    pub name: String,
-    /// Doc comments.
-    pub docs: Vec<String>,
-    /// Generalized coordinates.
-    pub coordinates: Vec<Variable>,
-    /// Parameters.
-    pub parameters: Vec<Variable>,
-    /// Inputs.
-    pub inputs: Vec<Variable>,
-    /// Prescribed motions, each with two derivatives; where there are any, all functions take them.
-    pub prescribed: Vec<Variable>,
-    /// The rows of the constraints by name: `closure`, or `closure_0`, `closure_1`, ….
-    pub constraints: Vec<String>,
-    /// For each row the first one of the same constraint in the same unit: those are the components of a vector.
-    pub constraint_vectors: Vec<usize>,
-    /// Which of the rows are holonomic.
-    pub holonomic: Vec<bool>,
-    /// The units of the rows and of their multipliers, in SI base units.
-    pub constraint_units: Vec<[String; 2]>,
-    /// Joints whose wrenches are asked for.
-    pub reactions: Vec<Reaction>,
-    /// The first integrals by name: `energy_integral`, or `p_` and the coordinate.
-    pub conserved: Vec<String>,
-    /// The units of the components of the outputs in declaration order, in SI base units: `kg·m²/s²`.
-    pub output_units: Vec<Vec<String>>,
-    /// Whether any function depends on t; then all of them take it.
-    pub depends_on_time: bool,
-    /// From parameters to the values that depend on them alone, computed once.
-    pub constructor: Program,
-    /// What parameters must satisfy.
-    pub requirements: Vec<Requirement>,
-    /// From parameters to the numbers that the requirements are about, `Condition::count` for each in turn.
-    pub required: Program,
-    /// The generated functions, in the order of the documentation.
-    pub functions: Vec<Function>,
-}
 
 /// One generated function.
 #[derive(Clone, Debug)]
@@ -119,7 +68,7 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
     let graph = Graph::new();
     let (requirements, required) = requirements(lagrangian, &graph);
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
-    Derivation {
+    Derivation(Derived {
         name: lagrangian.name.clone(),
         docs: lagrangian.docs.clone(),
         coordinates: lagrangian.coordinates.clone(),
@@ -138,7 +87,7 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
         requirements,
         required: lower::program(&required, &Hoisting::none()),
         functions,
-    }
+    })
 }
 
 /// The programs of the values of the outputs, and of nothing else: no function of the mechanism is there.
@@ -164,7 +113,7 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
         })
         .collect();
     let depends_on_time = functions.iter().any(|f| f.program.uses(|symbol| symbol == Symbol::Time));
-    Derivation {
+    Derivation(Derived {
         name: lagrangian.name.clone(),
         docs: Vec::new(),
         coordinates: lagrangian.coordinates.clone(),
@@ -183,7 +132,7 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
         requirements: Vec::new(),
         required: Program::default(),
         functions,
-    }
+    })
 }
 
 /// The functions by each route, without sums that vanish: of all of them at once, since they have most nodes in common.
@@ -247,7 +196,7 @@ impl Derivation {
         found
     }
 
-    /// The requirements with the numbers that they are about, of all that [`required`](Self::required) gives.
+    /// The requirements with the numbers that they are about, of all that `required` gives.
     pub fn conditions<'d, V>(&'d self, values: &'d [V]) -> impl Iterator<Item = (&'d Requirement, &'d [V])> {
         let mut rest = values;
         self.requirements.iter().map(move |requirement| {

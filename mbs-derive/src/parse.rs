@@ -115,6 +115,11 @@ impl Sources {
     }
 }
 
+/// The text of a mechanism with what it imports put in place, before its own statements: one that needs no other.
+pub(crate) fn in_one_text(sources: &Sources) -> Result<String, Diagnostics> {
+    import::in_one_text(sources)
+}
+
 /// What can be read of a text with all that it imports, and whether that is a mechanism; what is wrong with it.
 pub(crate) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnostics) {
     import::readable(sources)

@@ -222,14 +222,7 @@ fn programs<'g>(
         let (name, docs, units) = (name.to_string(), Vec::new(), Vec::new());
         value.map(|value| Output { name, docs, units, value, jacobian_rate: false })
     };
-    let mut seen = Lagrangian::new(lagrangian.graph, &lagrangian.name);
-    seen.outputs = values.into_iter().filter_map(output).collect();
-    seen.coordinates = lagrangian.coordinates.clone();
-    seen.parameters = lagrangian.parameters.clone();
-    seen.inputs = lagrangian.inputs.clone();
-    seen.prescribed = lagrangian.prescribed.clone();
-    seen.frames = lagrangian.frames.clone();
-    optimise::of_outputs(&seen)
+    optimise::of_outputs(&lagrangian.seen(values.into_iter().filter_map(output).collect()))
 }
 
 /// Gathers places and lines.

@@ -30,6 +30,21 @@ pub(crate) const MAX_IMPORTS: usize = 100;
 /// Files that import files that import files.
 pub(crate) const MAX_DEPTH: usize = 20;
 
+/// What the text of the mechanism begins with that a robot has become.
+pub(crate) const IMPORTED: &str = "// Imported from ";
+
+/// Whether a file is a robot: URDF, SDF or MJCF.
+pub(crate) fn is_robot(name: &str) -> bool {
+    let extension = Path::new(name).extension().and_then(|extension| extension.to_str());
+    let extension = extension.map(str::to_ascii_lowercase);
+    extension.is_some_and(|extension| ["urdf", "sdf", "xml", "mjcf", "xacro"].contains(&extension.as_str()))
+}
+
+/// Whether a text is that of the mechanism that the robot of this file has become.
+pub(crate) fn is_written_robot(name: &str, text: &str) -> bool {
+    text.starts_with(IMPORTED) && is_robot(name)
+}
+
 /// The texts of a mechanism and of all that it imports, directly or not, each once.
 ///
 /// ```

@@ -221,7 +221,11 @@ impl SingularMassMatrix {
 
 impl fmt::Display for SingularMassMatrix {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "mass matrix is not positive definite: pivot {} is {:?}", self.index, self.pivot)
+        write!(
+            f,
+            "mass matrix is not positive definite: pivot {} is {:?} in the unit of its inertia",
+            self.index, self.pivot
+        )
     }
 }
 
@@ -260,13 +264,13 @@ impl fmt::Display for ConstraintError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *self {
             Self::Open { row, residual } => {
-                write!(f, "row {row} of the constraints does not close: {residual:e} is left")
+                write!(f, "row {row} of the constraints does not close: {residual:e} is left, in its unit")
             }
             Self::Redundant { row } => write!(f, "row {row} of the constraints depends on the others"),
             Self::Contradiction { row, residual } => {
                 write!(
                     f,
-                    "row {row} of the constraints depends on the others and contradicts them: {residual:e} is left"
+                    "row {row} of the constraints depends on the others and contradicts them: {residual:e} is left, in its unit"
                 )
             }
             Self::SingularMassMatrix(error) => write!(f, "on the motions that the constraints leave: {error}"),
@@ -376,10 +380,13 @@ mod tests {
         assert_eq!(error.to_string(), "the tolerances are not met at t = 1.5 s even by a step of 1e-17 s");
         let error = SingularMassMatrix { pivot: -2.0, index: 3 };
         let error = IntegrationError::Stopped { time: 0.0, error };
-        assert_eq!(error.to_string(), "stopped at t = 0.0 s: mass matrix is not positive definite: pivot 3 is -2.0");
+        assert_eq!(
+            error.to_string(),
+            "stopped at t = 0.0 s: mass matrix is not positive definite: pivot 3 is -2.0 in the unit of its inertia"
+        );
         assert_eq!(
             SingularMassMatrix { pivot: 5e-17, index: 1 }.to_string(),
-            "mass matrix is not positive definite: pivot 1 is 5e-17"
+            "mass matrix is not positive definite: pivot 1 is 5e-17 in the unit of its inertia"
         );
         assert_eq!(error.time(), Some(0.0));
         assert_eq!(IntegrationError::<Infallible>::InvalidStep { step: 0.0 }.time(), None);

@@ -8,24 +8,25 @@ import { fileURLToPath } from "node:url";
 export const repository = fileURLToPath(new URL("../../", import.meta.url));
 const folders = ["models/mechanisms", "tests/mechanisms"];
 
-/** A text, and those of the folder that it is in. */
+/** Every text in a folder and in those that it holds. */
+function texts(folder) {
+  const paths = readdirSync(join(repository, folder), { recursive: true }).filter((file) => /\.(mbs|csv)$/.test(file));
+  return paths.map((path) => join(folder, path));
+}
+
+/** A text, and all others, by their paths from the folder that it is in. */
 export function mechanism(path) {
   const folder = dirname(join(repository, path));
-  const texts = readdirSync(folder).filter((file) => /\.(mbs|csv)$/.test(file));
-  const files = Object.fromEntries(texts.map((file) => [file, readFileSync(join(folder, file), "utf8")]));
+  const all = folders.flatMap(texts).map((file) => join(repository, file));
+  const files = Object.fromEntries(all.map((file) => [relative(folder, file), readFileSync(file, "utf8")]));
   const name = basename(path);
   return { path, folder, name, text: files[name], files };
 }
 
-/** Every mechanism of the repository, those in folders too. */
+/** Every mechanism of the repository, those in folders too; files that are imported are none. */
 export function mechanisms() {
-  const inside = (folder) =>
-    readdirSync(join(repository, folder), { withFileTypes: true }).flatMap((entry) => {
-      const path = join(folder, entry.name);
-      if (entry.isDirectory()) return inside(path);
-      return entry.name.endsWith(".mbs") ? [relative("", path)] : [];
-    });
-  return folders.flatMap(inside).sort().map(mechanism);
+  const paths = folders.flatMap(texts).filter((path) => path.endsWith(".mbs"));
+  return paths.sort().map(mechanism).filter(({ text }) => /^mechanism /m.test(text));
 }
 
 /** Numbers in [0, 1), the same in every run. Source: G. Marsaglia, Xorshift RNGs, 2003, section 4 (xorshift128). */

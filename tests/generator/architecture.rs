@@ -251,17 +251,28 @@ fn the_manual_says_what_each_function_is() {
     let (_, section) = manual.split_once("| function | |\n").expect("the table is there");
     let rows = section.lines().take_while(|line| line.starts_with('|')).filter_map(|line| line.split('|').nth(1));
     let said: BTreeSet<&str> = rows.flat_map(|cell| cell.split('`').skip(1).step_by(2)).collect();
-    let functions = derived(&lagrangian).functions;
-    assert_eq!(said, functions.iter().map(|function| function.name.as_str()).collect());
+    let derivation = derived(&lagrangian);
+    assert_eq!(said, derivation.functions.iter().map(|function| function.name.as_str()).collect());
 }
 
 /// Sources that are written by hand, below the folders of the workspace's members.
 fn written_by_hand() -> Vec<PathBuf> {
-    ["mbs-derive", "mbs-runtime", "mbs-chart", "mbs-ensemble", "mbs-native", "mbs-cli", "models", "tests", "examples"]
-        .iter()
-        .flat_map(|folder| sources(&Path::new(ROOT).join(folder)))
-        .filter(|file| !file.iter().any(|part| part == "target"))
-        .collect()
+    [
+        "mbs-derive",
+        "mbs-runtime",
+        "mbs-chart",
+        "mbs-ensemble",
+        "mbs-native",
+        "mbs-cli",
+        "models",
+        "tests",
+        "examples",
+        "benches",
+    ]
+    .iter()
+    .flat_map(|folder| sources(&Path::new(ROOT).join(folder)))
+    .filter(|file| !file.iter().any(|part| part == "target"))
+    .collect()
 }
 
 #[test]
@@ -293,7 +304,7 @@ fn comments_are_as_wide_as_code() {
             && line.chars().count() > 120
             && !text.trim_start_matches(['/', '!', ' ']).starts_with('|')
     };
-    let files = written_by_hand().into_iter().filter(|file| !file.ends_with("emit/item.rs"));
+    let files = written_by_hand().into_iter().filter(|file| !file.ends_with("emit/rust.rs"));
     let wide: Vec<_> =
         files.flat_map(|file| read(&file).lines().filter(is_wide).map(String::from).collect::<Vec<_>>()).collect();
     assert!(wide.is_empty(), "wider than 120 columns: {wide:#?}");

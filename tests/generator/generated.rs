@@ -43,7 +43,7 @@ fn operation_counts() {
     for (module, source) in mbs_tests::mechanisms::SOURCES {
         let mut table =
             format!("{:28} {:>6} {:>6} {:>4} {:>4} {:>6} {:>5}\n", "", "add", "mul", "div", "sqrt", "sincos", "other");
-        for function in derivation(source).functions {
+        for function in &derivation(source).functions {
             let o = function.operations;
             let name = &function.name;
             table +=

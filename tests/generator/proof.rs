@@ -13,7 +13,7 @@ fn proved(source: &str) -> Vec<String> {
     let derivation = derived(&lagrangian);
     let proof = Proof::of(&lagrangian, &derivation).unwrap_or_else(|e| panic!("{source}\n{e}"));
     assert!(proof.states >= verify::STATES);
-    derivation.conserved
+    derivation.conserved.clone()
 }
 
 fn dimensionless(body: &str) -> Vec<String> {

@@ -73,3 +73,13 @@ fn the_recursion_can_be_followed() {
     }
     assert!(code.contains("/// - `wjx`, `vjx`: angular velocity, velocity of the origin;"), "{}", &code[..2000]);
 }
+
+/// The key has lines for names that occur, and says of what constants are made that were regrouped.
+#[test]
+fn the_key_is_of_what_occurs() {
+    let (kepler, arm) = (code("kepler"), code("irb7600"));
+    assert!(!kepler.contains("`majxy`") && !kepler.contains("`fujx`"), "{}", &kepler[..2000]);
+    // Behind joint 3 everything is a₃ off its axis.
+    let line = "/// - `hr3x`: `mass_2`, `mass_3`, `mass_4`, `mass_5`, `com_x_2`;\n";
+    assert!(arm.contains(line), "{}", &arm[..4000]);
+}

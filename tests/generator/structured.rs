@@ -341,7 +341,7 @@ fn operation_counts() {
         let derivation = derivation_of(source).unwrap_or_else(|errors| panic!("{errors}"));
         let mut table =
             format!("{:28} {:>6} {:>6} {:>4} {:>4} {:>6} {:>5}\n", "", "add", "mul", "div", "sqrt", "sincos", "other");
-        for function in derivation.functions {
+        for function in &derivation.functions {
             let o = function.operations;
             let name = &function.name;
             table +=

@@ -340,8 +340,15 @@ fn mistakes_are_reported_with_file_line_and_link() {
     );
     refused("r.urdf", &loop_below, "error[MBS0310]: the link `stand` is the child of two joints\n --> r.urdf:2:3");
     refused("r.urdf", "<html/>", "error[MBS0310]: `html` is no robot\n --> r.urdf:1:1");
-    let mimic = hinge("</joint>", "<mimic joint=\"hinge\"/></joint>");
-    refused("r.urdf", &mimic, "error[MBS0310]: no joint of the robot `r` moves\n --> r.urdf:2:3");
+    let follows = |other: &str, expected: &str| {
+        let mimic = hinge("</joint>", &format!("<mimic joint=\"{other}\"/></joint>"));
+        refused("r.urdf", &mimic, expected);
+    };
+    follows("hinge", "error[MBS0310]: the joint `hinge` follows itself, by way of others\n --> r.urdf:8:3");
+    follows(
+        "none",
+        "error[MBS0310]: the joint `hinge` follows `none`, which is no joint that moves\n --> r.urdf:8:101",
+    );
 }
 
 #[test]
@@ -432,6 +439,65 @@ fn missing_meshes_are_told() {
     assert!(!text.contains("shape"), "{text}");
 }
 
+/// What is most likely a slip is told, and taken.
+#[test]
+fn doubtful_numbers_and_names_are_told() {
+    let check = |file: &str, xml: &str, expected: &str| {
+        let (_, warnings) = Sources::robot(file, xml).text(&|_| Some("x.stl".to_string())).expect("no mistake");
+        let report = warnings.render(file, xml);
+        assert_eq!(report.lines().take(2).collect::<Vec<_>>().join("\n"), expected, "{report}");
+    };
+    check("r.urdf", &hinge("<axis", "<origin rpy=\"0 6.28 -3.15\"/><axis"), "");
+    check(
+        "r.urdf",
+        &hinge("<axis", "<origin rpy=\"0 90 0\"/><axis"),
+        "warning[MBS0310]: the attitude of the joint `hinge` has an angle of 90 rad, more than a whole turn\n --> r.urdf:8:90",
+    );
+    check(
+        "r.urdf",
+        &hinge("value=\"2\"", "value=\"0\""),
+        "warning[MBS0310]: the link `rod` has an inertia, and no mass\n --> r.urdf:4:5",
+    );
+    let geoms = "<joint name=\"j\"/><geom size=\"1\"/><geom type=\"mesh\" mesh=\"none\" mass=\"0\"/>";
+    check(
+        "m.xml",
+        &format!("<mujoco><worldbody>\n<body name=\"a\">{geoms}</body></worldbody></mujoco>"),
+        "warning[MBS0310]: the mesh `none` of the body `a` is not drawn\n --> m.xml:2:67",
+    );
+    // What stands in comments is no element.
+    let comments = "<!-- a <link> -->".repeat(600);
+    check("r.urdf", &hinge("<link name=\"stand\"/>", &format!("<link name=\"stand\"/>{comments}")), "");
+}
+
+/// `multiplier*(leader - reference) + offset`, also behind a joint of two axes.
+#[test]
+fn joints_of_sdf_follow_others() {
+    let inertial = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";
+    let joint = |name: &str, kind: &str, ends: [&str; 2], rest: &str| {
+        let [parent, child] = ends;
+        format!(
+            "<joint name=\"{name}\" type=\"{kind}\"><parent>{parent}</parent><child>{child}</child>{rest}</joint>\n\
+             <link name=\"{child}\">{inertial}</link>"
+        )
+    };
+    let axis = |name: &str, inside: &str| format!("<{name}><xyz>0 0 1</xyz>{inside}</{name}>");
+    let follows = |axis: &str| {
+        format!(
+            "<mimic joint=\"cross\" axis=\"{axis}\"><multiplier>3</multiplier><offset>0.5</offset><reference>0.125</reference></mimic>"
+        )
+    };
+    let cross = axis("axis", "") + "<axis2><xyz>0 1 0</xyz></axis2>";
+    let xml = |of: &str| {
+        let first = joint("cross", "universal", ["world", "a"], &cross);
+        let second = joint("tail", "revolute", ["a", "b"], &axis("axis", &follows(of)));
+        format!("<sdf version=\"1.11\"><model name=\"m\">{first}{second}</model></sdf>")
+    };
+    let second = text("m.sdf", &xml("axis2"));
+    assert!(second.contains("    const tail_ratio: 1 = 3;\n    const tail_offset: 1 = 0.125;"), "{second}");
+    assert!(second.contains("    let tail = tail_ratio*cross_2 + tail_offset;\n"), "{second}");
+    assert!(text("m.sdf", &xml("axis")).contains("    let tail = tail_ratio*cross_1 + tail_offset;\n"));
+}
+
 /// A mistake in a robot that a mechanism imports is shown at the import, with its place.
 #[test]
 fn mistakes_in_imported_robots_are_shown_at_the_import() {
@@ -442,6 +508,11 @@ fn mistakes_in_imported_robots_are_shown_at_the_import() {
     let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
     let expected = "error[MBS0301]: cannot import `r.urdf`: r.urdf:4:5: the mass of the link `rod` is negative: -2 kg\n --> a.mbs:1:1\n";
     assert!(report.starts_with(expected), "{report}");
+    // What is wrong with what it has become is shown in that text, which is not the file's.
+    let still = hinge("ixx=\"0.2\" iyy=\"0.2\" izz=\"0.01\"", "ixx=\"0\" iyy=\"0\" izz=\"0\"").replace("-0.5", "0");
+    let sources = Sources::gather("a.mbs", source, |_| Ok(still.clone().into_bytes()));
+    let report = Analysis::of(&sources, &graph).err().unwrap().render_in(&sources);
+    assert!(report.contains("\n  --> `mbs import r.urdf`:12:11\n   |\n12 |     coord hinge: rad;\n"), "{report}");
     // In a file of shared declarations there is no place for coordinates.
     let sources = Sources::gather("a.mbs", "import \"b.mbs\";\nmechanism A { }\n", |file| match file {
         "b.mbs" => Ok(b"import \"r.urdf\"; const n = 1;".to_vec()),

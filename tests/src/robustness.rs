@@ -26,7 +26,7 @@ use mbs_derive::source::Unreadable;
 pub struct Models {
     /// Name and text of each mechanism.
     pub mechanisms: Vec<(String, String)>,
-    /// What the examples of the manual import.
+    /// What they import.
     pub shared: BTreeMap<String, String>,
 }
 
@@ -37,6 +37,9 @@ impl Models {
         let mut models = Models { mechanisms: Vec::new(), shared: BTreeMap::new() };
         for folder in ["models/mechanisms", "tests/mechanisms"] {
             models.mechanisms.extend(files(&root.join(folder)));
+        }
+        for (name, text) in files(&root.join("models/mechanisms/tables")) {
+            models.shared.insert(format!("tables/{name}"), text);
         }
         let manual = std::fs::read_to_string(root.join("docs/language.md")).expect("the manual");
         for (title, text) in fenced(&manual) {
@@ -50,7 +53,7 @@ impl Models {
         models
     }
 
-    /// What a file imports is looked for in the manual.
+    /// What a file imports is looked for among the tables and in the manual.
     ///
     /// # Errors
     /// That there is no such block.

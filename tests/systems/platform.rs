@@ -349,7 +349,9 @@ fn lengths_that_belong_to_no_pose_end_in_an_error() {
     let few = Newton { iterations: 2, ..Newton::default() };
     let lengths = platform.lengths(&[0.1, 0.1, 1.2, 0.2, 0.1, 0.2]).unwrap();
     let stopped = few.solve(&platform, &lengths, &HOME);
-    let Err(Error { failure: Failure::NotConverged { what: SEARCH, iterations: 2, residual }, .. }) = stopped else {
+    let Err(Error { failure: Failure::NotConverged { what: SEARCH, iterations: 2, residual, unit: "m" }, .. }) =
+        stopped
+    else {
         panic!("{stopped:?}")
     };
     assert!(residual > 1e-13, "{residual}");

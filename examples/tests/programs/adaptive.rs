@@ -1,13 +1,9 @@
 //! Adaptive control as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, keys, numbers};
+use crate::support::{good, json, keys, number};
 use serde_json::Value;
 
 const ADAPTIVE: &str = env!("CARGO_BIN_EXE_adaptive");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 /// What must hold for every run that learns: V never grows, and loses what damping takes.
 fn assert_lyapunov(run: &Value) {

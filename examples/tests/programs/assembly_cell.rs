@@ -1,13 +1,9 @@
 //! The assembly cell as outside programs see it.
 
-use crate::support::{good, json, keys, numbers, run};
+use crate::support::{good, json, keys, number, run};
 use serde_json::Value;
 
 const ASSEMBLY_CELL: &str = env!("CARGO_BIN_EXE_assembly_cell");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn compliance_inserts_what_stiffness_does_not() {

@@ -1,13 +1,9 @@
 //! The docking example as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, keys, numbers, run};
+use crate::support::{good, json, keys, number, numbers, run};
 use serde_json::Value;
 
 const DOCKING: &str = env!("CARGO_BIN_EXE_docking");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn both_axes_dock_within_the_tolerances_of_a_port() {

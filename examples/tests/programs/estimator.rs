@@ -1,13 +1,9 @@
 //! The estimator example as outside programs call it: whether it errs as much as it says.
 
-use crate::support::{good, json, keys, numbers, run};
+use crate::support::{good, json, keys, number, numbers, run};
 use serde_json::Value;
 
 const ESTIMATOR: &str = env!("CARGO_BIN_EXE_estimator");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 /// Averages over 500 landings are within bounds about as often as these say: of 27 times, which are not independent, at
 /// most one is beyond 99 %.

@@ -1,6 +1,6 @@
 //! `experiment` as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, keys, numbers, run};
+use crate::support::{good, json, keys, number, numbers, run};
 use serde_json::Value;
 
 // Parts of the program with tests of their own.
@@ -15,10 +15,6 @@ mod run;
 mod summary;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_experiment");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn the_greatest_scale_of_each_case() {

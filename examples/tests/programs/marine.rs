@@ -1,14 +1,9 @@
 //! The platform at sea as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, keys, numbers, run};
-use serde_json::Value;
+use crate::support::{good, json, keys, number, numbers, run};
 
 const MARINE: &str = env!("CARGO_BIN_EXE_marine");
 const COORDINATES: [&str; 4] = ["heave", "roll", "pitch", "yaw"];
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn the_report_fits_together() {

@@ -2,13 +2,9 @@
 
 use serde_json::Value;
 
-use crate::support::{good, json, numbers, run};
+use crate::support::{good, json, number, numbers, run};
 
 const MINIMUM_EFFORT: &str = env!("CARGO_BIN_EXE_minimum_effort");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 fn largest(value: &Value) -> f64 {
     numbers(value).into_iter().fold(0.0, f64::max)

@@ -1,16 +1,12 @@
 //! The planned landings as outside programs call them: limits in flight, times, what is written.
 
-use crate::support::{good, json, numbers, run};
+use crate::support::{good, json, number, numbers, run};
 use mbs_examples::assumed;
 use mbs_landing::quadrotor::predictive::controller::{Descent, Horizon};
 use mbs_landing::quadrotor::predictive::limits::Limits;
 use serde_json::Value;
 
 const MPC: &str = env!("CARGO_BIN_EXE_mpc");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn planned_landings_keep_their_limits_and_are_shorter_than_the_guided_one() {

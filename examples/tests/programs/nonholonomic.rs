@@ -2,14 +2,9 @@
 
 use std::f64::consts::PI;
 
-use crate::support::{good, json, numbers, run};
-use serde_json::Value;
+use crate::support::{good, json, number, numbers, run};
 
 const NONHOLONOMIC: &str = env!("CARGO_BIN_EXE_nonholonomic");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn motions_are_those_of_the_closed_forms() {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::{good, json, keys, numbers, run};
+use crate::support::{good, json, keys, number, numbers, run};
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::heave::Heave;
 use serde_json::Value;
@@ -78,10 +78,6 @@ const PLATFORM_RUNS: [&str; 6] = [
     "marine_platform_full",
     "marine_platform_scaled",
 ];
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 fn rows(folder: &Path, name: &str) -> Vec<Vec<f64>> {
     let mut table = csv::Reader::from_path(folder.join(format!("{name}.csv"))).unwrap();

@@ -1,13 +1,9 @@
 //! The soft docking as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, numbers, run};
+use crate::support::{good, json, number, numbers, run};
 use serde_json::Value;
 
 const SOFT_DOCKING: &str = env!("CARGO_BIN_EXE_soft_docking");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn the_approach_is_captured_and_bad_contacts_are_not() {

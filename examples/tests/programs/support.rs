@@ -33,3 +33,8 @@ pub(crate) fn numbers(value: &Value) -> Vec<f64> {
         other => vec![other.as_f64().unwrap_or_else(|| panic!("{other} is not a number"))],
     }
 }
+
+/// The number that a value is.
+pub(crate) fn number(value: &Value) -> f64 {
+    numbers(value)[0]
+}

@@ -1,14 +1,9 @@
 //! What becomes of the vehicle after the touchdown, as an outside program calls it.
 
-use crate::support::{good, json, keys, numbers, run};
-use serde_json::Value;
+use crate::support::{good, json, keys, number, run};
 
 const TOUCHDOWN: &str = env!("CARGO_BIN_EXE_touchdown");
 const WEIGHT: f64 = 40.0 * 9.80665;
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 #[test]
 fn endings_are_told_apart_and_the_platform_carries_the_vehicle() {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, Diagnostic as Shown, DiagnosticRelatedInformation,
-    DiagnosticSeverity, Location, TextEdit, Uri,
+    DiagnosticSeverity, Location, NumberOrString, TextEdit, Uri,
 };
 use mbs_derive::diagnostic::{Diagnostic, Severity};
 use serde_json::json;
@@ -35,7 +35,18 @@ pub(super) fn problems<'d>(
     let place = |span: &std::ops::Range<usize>| {
         let number = files.0.partition_point(|file| file.start <= span.start).saturating_sub(1);
         let file = &files.0[number];
+        // The text of a robot's mechanism is not that of its file: what is wrong there is shown where it is imported.
+        if let Some(import) = files.import_of(number) {
+            return (&files.0[0], import);
+        }
         (file, span.start - file.start..span.end.saturating_sub(file.start).max(span.start - file.start))
+    };
+    let robot = |span: &std::ops::Range<usize>| {
+        let number = files.0.partition_point(|file| file.start <= span.start).saturating_sub(1);
+        let file = &files.0[number];
+        let place = file.text.range(&(span.start - file.start..span.start - file.start)).start;
+        files.import_of(number)?;
+        Some(format!("`mbs import {}`:{}:{}", file.name, place.line + 1, place.character + 1))
     };
     for diagnostic in found.take(MOST) {
         let (file, span) = place(&diagnostic.span);
@@ -45,10 +56,9 @@ pub(super) fn problems<'d>(
             Some(DiagnosticRelatedInformation { location, message: note.message.clone() })
         });
         let notes: Vec<_> = notes.collect();
-        let message = match &diagnostic.help {
-            Some(help) => format!("{}\nhelp: {help}", diagnostic.message),
-            None => diagnostic.message.clone(),
-        };
+        let mut message = robot(&diagnostic.span).map_or(String::new(), |place| format!("{place}: "));
+        message += &diagnostic.message;
+        message += &diagnostic.help.as_ref().map_or(String::new(), |help| format!("\nhelp: {help}"));
         let severity = match diagnostic.severity {
             Severity::Error => DiagnosticSeverity::ERROR,
             Severity::Warning => DiagnosticSeverity::WARNING,
@@ -56,6 +66,7 @@ pub(super) fn problems<'d>(
         let shown = Shown {
             range: file.text.range(&span),
             severity: Some(severity),
+            code: Some(NumberOrString::String(diagnostic.code())),
             source: Some("mbs".to_string()),
             message,
             related_information: (!notes.is_empty()).then_some(notes),

@@ -41,6 +41,17 @@ impl Files {
         Files((0..sources.count()).map(file).collect())
     }
 
+    /// Of a robot that is imported, the place of the statement in the first file.
+    pub(super) fn import_of(&self, number: usize) -> Option<Range<usize>> {
+        let (main, robot) = (&self.0[0].text.text, &self.0[number]);
+        if number == 0 || !robot.text.text.starts_with("// Imported from ") {
+            return None;
+        }
+        let last = robot.name.rsplit('/').next().unwrap_or(&robot.name);
+        let end = main.find(&format!("{last}\"")).map_or(0, |at| at + last.len() + 1);
+        Some(main[..end].rfind("import").unwrap_or(0)..end)
+    }
+
     pub(super) fn symbol(&self, (file, symbol): Place) -> &Symbol {
         &self.0[file].outline.symbols[symbol]
     }

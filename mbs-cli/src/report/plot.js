@@ -5,6 +5,13 @@ export const COLOURS = ["#4477aa", "#ee6677", "#228833", "#aa8811", "#3399bb", "
 const MARGIN = { left: 62, right: 14, top: 24, bottom: 26 };
 const FONT = "system-ui, 'DejaVu Sans', sans-serif";
 
+/** As much of a text as is no wider than this. */
+function fitting(g, text, width) {
+  let shown = text;
+  while (shown.length > 1 && g.measureText(shown).width > width) shown = `${shown.slice(0, -2)}…`;
+  return shown;
+}
+
 /** 1, 2 or 5 times a power of ten: about this many intervals. */
 function step(span, intervals) {
   const raw = span / intervals;
@@ -116,7 +123,7 @@ class Panel {
     }
     [g.textAlign, g.globalAlpha] = ["left", 1];
     g.font = `600 12px ${FONT}`;
-    g.fillText(title, MARGIN.left, 4);
+    g.fillText(fitting(g, title, this.width - g.measureText(name).width - 12), MARGIN.left, 4);
     g.font = `11px ${FONT}`;
     [g.textAlign, g.globalAlpha] = ["right", 0.75];
     g.fillText(name, this.full - MARGIN.right, 5);

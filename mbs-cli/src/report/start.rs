@@ -12,30 +12,44 @@ use crate::state::Point;
 /// How far lengths are from zero, one guess after the other.
 const LENGTHS: [f64; 5] = [0.0, 0.3, 1.0, 10.0, 1e7];
 
-/// The first guess from which there are accelerations; all zero, where there is none.
+/// Rates of all coordinates: where nothing pulls, only what moves already goes on moving.
+const RATES: [f64; 2] = [0.0, 1.0];
+
+/// The first guess that moves; else the first from which there are accelerations; all zero, where there is none.
 pub(super) fn of(derivation: &Derivation) -> Point {
-    let guess = LENGTHS.iter().map(|&length| point(derivation, coordinates(derivation, length)));
-    let mut good = guess.filter_map(|mut point| {
-        let equations = Equations::new(derivation, &point).ok()?;
-        let mut motion = equations.start();
-        if !derivation.constraints.is_empty() {
-            equations.projector(RedundantRows::LeaveOut).project(&equations, 0.0, &mut motion).ok()?;
+    let guesses = RATES.iter().flat_map(|&rate| LENGTHS.iter().map(move |&length| (length, rate)));
+    let mut still = None;
+    for (length, rate) in guesses {
+        match started(derivation, point(derivation, coordinates(derivation, length), rate)) {
+            Some((point, true)) => return point,
+            Some((point, false)) => still = still.or(Some(point)),
+            None => {}
         }
-        let state = equations.state(0.0, &motion.q, &motion.qd);
-        let found = Solver::closed(&equations).accelerations(&state).ok()?;
-        let is_moderate = found.iter().all(|x| x.abs() < 1e6);
-        (point.state.q, point.state.qd) = (motion.q, motion.qd);
-        is_moderate.then_some(point)
-    });
-    good.next().unwrap_or_else(|| point(derivation, vec![0.0; derivation.dof()]))
+    }
+    still.unwrap_or_else(|| point(derivation, vec![0.0; derivation.dof()], 0.0))
 }
 
-fn point(derivation: &Derivation, q: Vec<f64>) -> Point {
+/// A guess on the constraints, and whether it moves; nothing where there are no accelerations, or huge ones.
+fn started(derivation: &Derivation, mut point: Point) -> Option<(Point, bool)> {
+    let equations = Equations::new(derivation, &point).ok()?;
+    let mut motion = equations.start();
+    if !derivation.constraints.is_empty() {
+        equations.projector(RedundantRows::LeaveOut).project(&equations, 0.0, &mut motion).ok()?;
+    }
+    let state = equations.state(0.0, &motion.q, &motion.qd);
+    let found = Solver::closed(&equations).accelerations(&state).ok()?;
+    let is_moderate = found.iter().all(|x| x.abs() < 1e6);
+    let moves = found.iter().chain(&motion.qd).any(|x| x.abs() > 1e-9);
+    (point.state.q, point.state.qd) = (motion.q, motion.qd);
+    is_moderate.then_some((point, moves))
+}
+
+fn point(derivation: &Derivation, q: Vec<f64>, rate: f64) -> Point {
     let count = |variables: &[Variable]| variables.iter().map(Variable::count).sum::<usize>();
     let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64);
     let state = State {
         t: 0.0,
-        qd: vec![0.0; q.len()],
+        qd: vec![rate; q.len()],
         qdd: vec![0.0; q.len()],
         q,
         u: vec![0.0; count(&derivation.inputs)],

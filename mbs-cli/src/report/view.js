@@ -97,8 +97,17 @@ function isDrawnByProcessor(gl) {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
+/** Gives a canvas as many pixels as it has on the screen. */
+function resize(canvas) {
+  const ratio = Math.min(devicePixelRatio || 1, 2);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((length) => Math.round(length * ratio));
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+}
+
 /** A canvas to draw on; in place of the given one, of which only one kind of picture can be had, if edges are smooth. */
 function drawable(given) {
+  // A context that exists is slow to resize: the first frame would wait for it.
+  resize(given);
   const rough = given.getContext("webgl", { antialias: false, alpha: false });
   if (rough === null) throw new Error("this browser has no WebGL");
   if (isDrawnByProcessor(rough)) return { canvas: given, gl: rough };
@@ -257,9 +266,8 @@ export class View {
 
   begin(paper) {
     const { gl, canvas } = this;
-    const ratio = Math.min(devicePixelRatio || 1, 2);
-    const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    resize(canvas);
+    const { width, height } = canvas;
     gl.viewport(0, 0, width, height);
     gl.clearColor(...paper);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);

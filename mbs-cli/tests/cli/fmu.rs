@@ -19,7 +19,7 @@ fn entries(workshop: &Workshop, name: &str) -> Vec<(String, Vec<u8>)> {
         let mut file = archive.by_index(i).unwrap();
         let mut content = Vec::new();
         file.read_to_end(&mut content).unwrap();
-        (file.name().unwrap().to_string(), content)
+        (file.name().to_string(), content)
     };
     (0..count).map(entry).collect()
 }

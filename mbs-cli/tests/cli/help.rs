@@ -168,7 +168,7 @@ fn the_manual_has_a_page_for_each_command() {
     assert!(all.contains("Exit codes: 0 fine") && all.contains("mbs\\-simulate(1)"), "{all}");
     assert_eq!(workshop.good(&["man"]), all, "the same bytes each time");
     workshop.write("file", "");
-    assert!(workshop.bad(&["man", "--out", "file"]).starts_with("error: cannot write the manual: "));
+    assert!(workshop.bad(&["man", "--out", "file"]).starts_with("error: cannot make the folder file: "));
 }
 
 /// `--json`: one value on standard output; messages on standard error, an object a line.
@@ -196,6 +196,15 @@ fn every_command_speaks_json() {
         json(&["simulate", "pendulum.mbs", state[0], state[1], "--t-end", "1", "--csv", "a.csv", "--plot", "a.svg"]);
     assert_eq!(csv["written"], serde_json::json!(["a.csv", "a.svg"]));
     assert_eq!(json(&["fmu", "pendulum.mbs", "--out", "p.fmu", "--sources-only"])["written"][0], "p.fmu");
+    assert!(json(&["report", "pendulum.mbs"])["page"].as_str().unwrap().starts_with("<!doctype html>"));
+    assert_eq!(json(&["report", "pendulum.mbs", "--out", "p.html"])["written"], serde_json::json!(["p.html"]));
+    let body = "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial>";
+    let joint = "<joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint>";
+    workshop.write("r.urdf", format!("<robot name='r'><link name='a'/><link name='b'>{body}</link>{joint}</robot>"));
+    assert!(json(&["import", "r.urdf"])["text"].as_str().unwrap().contains("mechanism R {"));
+    assert_eq!(json(&["import", "r.urdf", "--out", "r.mbs"])["written"], serde_json::json!(["r.mbs"]));
+    workshop.write("untidy.mbs", crate::PENDULUM.replace("    ", "\t"));
+    assert_eq!(json(&["fmt", "untidy.mbs", "r.mbs"])["written"], serde_json::json!(["untidy.mbs"]));
     workshop.write("swings.toml", SWINGS);
     let swept = json(&["sweep", "swings.toml"]);
     assert_eq!((&swept["members"], &swept["written"]), (&3.into(), &serde_json::json!(["swings.csv"])));

@@ -62,6 +62,7 @@ fn a_typo_is_underlined_and_mended() {
     assert_eq!(found[0]["range"], range(line, column, line, column + 3));
     assert_eq!(found[0]["message"], "`mas` is not declared\nhelp: did you mean `mass`?");
     assert_eq!((&found[0]["severity"], &found[0]["source"]), (&json!(1), &json!("mbs")));
+    assert_eq!(found[0]["code"], "MBS0501", "what `mbs explain` has a page for");
     let uri = editor.uri("cart.mbs");
     let actions = editor.ask("textDocument/codeAction", json!({
         "textDocument": { "uri": uri }, "range": range(line, column, line, column), "context": { "diagnostics": [] },
@@ -109,6 +110,18 @@ fn what_is_wrong_in_an_import_is_shown_there() {
     editor.tell("textDocument/didClose", json!({ "textDocument": { "uri": lib } }));
     assert_eq!(editor.problems("cart.mbs"), [Value::Null; 0]);
     assert_eq!(editor.problems[&lib], [Value::Null; 0]);
+    // The text that a robot has become is in no file: the import is marked.
+    let still = "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/>\
+        <inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+        <joint name='j' type='continuous'><parent link='a'/><child link='b'/></joint></robot>";
+    editor.workshop.write("r.urdf", still);
+    editor.open("robot.mbs", "// 1\nimport \"r.urdf\";\nmechanism Robot { }\n");
+    let found = editor.problems("robot.mbs");
+    assert_eq!(found[0]["range"], range(1, 0, 1, 15));
+    assert!(
+        found[0]["message"].as_str().unwrap().starts_with("`mbs import r.urdf`:12:11: `j` has no inertia"),
+        "{found:?}"
+    );
     // A file that is gone.
     std::fs::remove_file(editor.workshop.path("lib.mbs")).unwrap();
     editor.tell("workspace/didChangeWatchedFiles", json!({ "changes": [{ "uri": lib, "type": 3 }] }));

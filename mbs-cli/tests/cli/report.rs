@@ -104,6 +104,21 @@ fn a_page_asks_for_nothing_and_is_whole() {
     assert_eq!(workshop.files(), ["ball.stl", "chain.mbs", "drawn.mbs", "pendulum.mbs", "report.html"]);
 }
 
+/// Without a state: away from where a spring is relaxed; with a speed where nothing pulls; at rest where all is held.
+#[test]
+fn a_page_begins_with_a_motion() {
+    let workshop = Workshop::new();
+    let start = |rest: &str| {
+        let text = format!("mechanism A {{ param m: kg = 1; coord x: m; kinetic += 1/2*m*dt(x)^2; {rest} }}");
+        workshop.write("a.mbs", text);
+        let found = about(&workshop.good(&["report", "a.mbs"]));
+        [found["start"]["q"][0].as_f64().unwrap(), found["start"]["qd"][0].as_f64().unwrap()]
+    };
+    assert_eq!(start("param k: N/m = 3; potential += 1/2*k*x^2;"), [0.3, 0.0]);
+    assert_eq!(start(""), [0.0, 1.0]);
+    assert_eq!(start("constraint held: x = 2 m;"), [2.0, 0.0]);
+}
+
 #[test]
 fn two_runs_give_the_same_bytes() {
     let workshop = workshop();

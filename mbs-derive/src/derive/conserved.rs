@@ -248,7 +248,7 @@ mod tests {
         let graph = Graph::verbatim();
         let (lagrangian, _) =
             crate::declared(&text, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
-        crate::derived(&lagrangian).conserved
+        crate::derived(&lagrangian).conserved.clone()
     }
 
     /// Farther away than any point where it is tried, a force may act.

@@ -12,7 +12,7 @@ use crate::optimise::{Instruction, Program, Value};
 use super::angles::{Angles, Wanted};
 use super::expression::Tree;
 use super::name::{Names, Scope};
-pub(super) use super::statement::{Angle, Block, Component, Statement};
+pub(super) use super::statement::{Angle, Block, Component, Leaves, Statement};
 
 /// Operations and characters that one expression has at most.
 const LONGEST: (usize, usize) = (6, 60);
@@ -52,6 +52,8 @@ pub(super) struct Body<'n> {
     pub(super) on_demand: BTreeSet<usize>,
     /// Its results are in the order of the components.
     pub(super) block: Block,
+    /// What that reads.
+    pub(super) leaves: Leaves,
 }
 
 impl<'n> Body<'n> {
@@ -59,8 +61,9 @@ impl<'n> Body<'n> {
     pub(super) fn new(program: &Program, components: &[Component], names: &'n Names, mut scope: Scope) -> Self {
         let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
         let convert = scope.unique("c");
-        let (locals, on_demand, block) = (Vec::new(), BTreeSet::new(), Block::default());
-        let body = Body { names, scope, familiar, convert, locals, parts: BTreeMap::new(), on_demand, block };
+        let (locals, parts, on_demand) = (Vec::new(), BTreeMap::new(), BTreeSet::new());
+        let (block, leaves) = (Block::default(), Leaves::default());
+        let body = Body { names, scope, familiar, convert, locals, parts, on_demand, block, leaves };
         let (program, components) = restricted(program, components);
         let mut writer = Writer::new(&program, &components, body);
         writer.write();
@@ -90,11 +93,6 @@ impl<'n> Body<'n> {
                 return free;
             }
         }
-    }
-
-    /// Whether a tree is the local of this name.
-    pub(super) fn is_called(&self, tree: &Tree, name: &str) -> bool {
-        matches!(tree, Tree::Local(i) if self.locals[*i] == name)
     }
 
     /// The name of a symbol, a hoisted value or a local.
@@ -525,6 +523,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             self.body.block.results.push(tree);
         }
         self.body.block.statements = self.statements.swap_remove(Region::BODY.index());
+        self.body.leaves = self.body.block.leaves();
         self.body
     }
 }

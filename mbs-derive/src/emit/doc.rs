@@ -8,7 +8,7 @@ use quote::quote;
 use crate::catalogue::{About, FunctionKind};
 use crate::expr::Symbol;
 use crate::model::requirement::{Condition, Requirement};
-use crate::optimise::{Derivation, Function, Operations};
+use crate::optimise::{Derivation, Function, Instruction, Operations, Value};
 use crate::shape::Shape;
 use crate::variable::Variable;
 use crate::variable::component_names;
@@ -44,14 +44,19 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
     lines
 }
 
-/// What the documentation of a module says: its mechanism, and the key to its locals where there is one.
-pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> Vec<String> {
+/// What the documentation of a module with this code says: its mechanism, the key to its locals where there is one, and
+/// what constants are made of that were regrouped.
+pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str, code: &str) -> Vec<String> {
     let mut lines = vec![format!("The mechanism [`{mechanism}`]({module}::{mechanism}).")];
     let programs = derivation.functions.iter().map(|function| &function.program).chain([&derivation.constructor]);
     let notes = programs.flat_map(|program| &program.notes).map(|(_, name)| name.trim_start_matches("by_"));
-    let letters: BTreeSet<&str> = notes.filter_map(|name| name.split(|c: char| c.is_ascii_digit()).next()).collect();
+    let letters = |name: &'_ str| name.split(|c: char| c.is_ascii_digit()).next().map(str::to_string);
+    let words: BTreeSet<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    // Values that are written inside others have no name in the code.
+    let written: BTreeSet<String> = words.iter().filter_map(|word| letters(word.trim_start_matches("by_"))).collect();
+    let letters: BTreeSet<String> = notes.filter_map(letters).filter(|name| written.contains(name)).collect();
     if !letters.is_empty() {
-        let told = KEY.iter().filter(|(names, _)| names.iter().any(|name| letters.contains(name)));
+        let told = KEY.iter().filter(|(names, _)| names.iter().any(|name| letters.contains(*name)));
         let told: Vec<String> = told.map(|(_, line)| format!("- {line};")).collect();
         let (head, parts, source) = match told.is_empty() {
             true => ("Locals:", "parts of what is named.", None),
@@ -67,9 +72,42 @@ pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str) -> 
             "- `by_…`: a derivative by what follows; `…_neg`, `…_squared`: its negative, its square;".to_string(),
         );
         lines.push(format!("- `…_a`, `…_b`: {parts}"));
+        lines.extend(regrouped(derivation, &words));
         lines.extend(source.into_iter().flat_map(|source| [String::new(), source.to_string()]));
     }
     lines
+}
+
+/// Of each regrouped constant that has a name in the code the parameters that it is made of.
+fn regrouped(derivation: &Derivation, words: &BTreeSet<&str>) -> Vec<String> {
+    let is_one = |name: &str| {
+        let joint = ["mr", "hr", "sr"].iter().find_map(|letters| name.strip_prefix(letters));
+        joint.is_some_and(|joint| joint.starts_with(|c: char| c.is_ascii_digit())) && words.contains(name)
+    };
+    let constructor = &derivation.constructor;
+    let names = component_names(&derivation.parameters);
+    let line = |(value, name): &(Value, String)| {
+        let mut is_part = vec![false; value.index() + 1];
+        is_part[value.index()] = true;
+        let mut parameters = BTreeSet::new();
+        for i in (0..=value.index()).rev() {
+            let instruction = constructor.instructions[i];
+            if is_part[i] {
+                instruction.operands().for_each(|operand| is_part[operand.index()] = true);
+            }
+            if let (true, Instruction::Symbol(Symbol::Parameter(number))) = (is_part[i], instruction) {
+                parameters.insert(number as usize);
+            }
+        }
+        let parameters: Vec<String> = parameters.into_iter().map(|number| format!("`{}`", names[number])).collect();
+        format!("- `{name}`: {};", parameters.join(", "))
+    };
+    let mut lines: Vec<String> = constructor.notes.iter().filter(|(_, name)| is_one(name)).map(line).collect();
+    let Some(last) = lines.last_mut() else { return lines };
+    last.truncate(last.len() - 1);
+    last.push('.');
+    let head = ["", "What regrouped constants are made of, beside lengths and angles that are constant:", ""];
+    head.map(str::to_string).into_iter().chain(lines).collect()
 }
 
 const KEY_TO_LOCALS: &str = "Locals with the number j of a joint, from 1 at the base, are of the link behind it, in its axes, about its origin:";

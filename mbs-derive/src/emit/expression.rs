@@ -1,16 +1,11 @@
-//! How values are written.
+//! Expressions as they will stand in the text, in any language.
 //!
-//! A [`Tree`] is an expression as it will stand in the text. The constructors choose among the ways to write the same
+//! The constructors choose among the ways to write the same
 //! bits: factors and terms may change places (`a·b = b·a`, `a + b = b + a`), signs may move (`−(a·b) = (−a)·b`,
 //! `a − b = a + (−b)`), but nothing is associated anew. A product that only a sum uses becomes `mul_add`, which is a
 //! product and a sum, unless the target has them in one instruction.
 
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
-
 use crate::expr::Symbol;
-
-use super::name::ident;
 
 /// An expression.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,16 +34,6 @@ pub(super) enum Tree {
     Not(Box<Tree>),
     /// `if condition { a } else { b }`
     Select(Box<Tree>, Box<Tree>, Box<Tree>),
-}
-
-/// How tightly an expression holds together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Precedence {
-    Any,
-    Sum,
-    Product,
-    Sign,
-    Method,
 }
 
 impl Tree {
@@ -124,7 +109,7 @@ impl Tree {
     }
 
     /// Whether it has a sign, which may go.
-    fn is_negative(&self) -> bool {
+    pub(super) fn is_negative(&self) -> bool {
         match self {
             Tree::Constant(value) => *value < 0.0,
             Tree::Neg(_) => true,
@@ -181,6 +166,14 @@ impl Tree {
         }
     }
 
+    /// Calls `found` with every leaf.
+    pub(super) fn each_leaf<'t>(&'t self, found: &mut impl FnMut(&'t Tree)) {
+        match self.children().as_slice() {
+            [] => found(self),
+            children => children.iter().for_each(|child| child.each_leaf(found)),
+        }
+    }
+
     /// Number of operations; signs are free.
     pub(super) fn operations(&self) -> usize {
         let own = match self {
@@ -212,224 +205,5 @@ impl Tree {
             Tree::And(..) | Tree::Not(_) | Tree::Select(..) => (4, 0),
             Tree::Add(..) | Tree::Sub(..) => (5, 0),
         }
-    }
-}
-
-/// How the leaves of a tree are written.
-pub(super) trait Leaves {
-    /// A constant's tokens, a method may follow; a negative one may come out as its sign and the positive one.
-    fn constant(&self, value: f64) -> TokenStream;
-    /// Whether a negative constant comes out with its sign in front.
-    fn is_signed(&self, value: f64) -> bool;
-    /// The name of a symbol, a hoisted value or a local; of a value computed on demand `*name`.
-    fn leaf(&self, leaf: &Tree) -> TokenStream;
-    /// Whether that is a value computed on demand.
-    fn is_on_demand(&self, leaf: &Tree) -> bool;
-    /// Whether `a.mul_add(b, c)` is written `a * b + c`.
-    fn is_infix(&self) -> bool;
-}
-
-/// The tokens of an expression.
-pub(super) fn print(tree: &Tree, leaves: &impl Leaves) -> TokenStream {
-    within(tree, leaves, Precedence::Any)
-}
-
-fn within(tree: &Tree, leaves: &impl Leaves, least: Precedence) -> TokenStream {
-    let (precedence, tokens) = match tree {
-        Tree::Constant(value) => {
-            let signed = leaves.is_signed(*value);
-            (if signed { Precedence::Sign } else { Precedence::Method }, leaves.constant(*value))
-        }
-        Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => {
-            let starred = leaves.is_on_demand(tree);
-            (if starred { Precedence::Sign } else { Precedence::Method }, leaves.leaf(tree))
-        }
-        Tree::Neg(a) => {
-            let a = within(a, leaves, Precedence::Method);
-            (Precedence::Sign, quote!(-#a))
-        }
-        Tree::Add(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Sum), within(b, leaves, Precedence::Product));
-            (Precedence::Sum, quote!(#a + #b))
-        }
-        Tree::Sub(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Sum), within(b, leaves, Precedence::Product));
-            (Precedence::Sum, quote!(#a - #b))
-        }
-        Tree::Mul(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Product), within(b, leaves, Precedence::Sign));
-            (Precedence::Product, quote!(#a * #b))
-        }
-        Tree::Div(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Product), within(b, leaves, Precedence::Sign));
-            (Precedence::Product, quote!(#a / #b))
-        }
-        Tree::Less(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
-            (Precedence::Method, quote!(#a.less(#b)))
-        }
-        Tree::LessEqual(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Method), print(b, leaves));
-            (Precedence::Method, quote!(#a.less_equal(#b)))
-        }
-        Tree::And(a, b) => {
-            let (a, b) = (within(a, leaves, Precedence::Method), within(b, leaves, Precedence::Method));
-            (Precedence::Any, quote!(#a & #b))
-        }
-        Tree::Not(a) => {
-            let a = within(a, leaves, Precedence::Method);
-            (Precedence::Sign, quote!(!#a))
-        }
-        Tree::Select(c, a, b) => {
-            let known = [a, b].iter().all(|side| side.is_free() && !asks(side, leaves));
-            let [c, a, b] = [c, a, b].map(|part| print(part, leaves));
-            let select = if known { quote!(T::blend(#c, #a, #b)) } else { quote!(T::select(#c, || #a, || #b)) };
-            (Precedence::Method, select)
-        }
-        Tree::Method("mul_add", a, rest) if leaves.is_infix() => return within(&unfused(a, rest), leaves, least),
-        Tree::Method(name, a, arguments) => {
-            let (name, a) = (ident(name), within(a, leaves, Precedence::Method));
-            let arguments = arguments.iter().map(|argument| print(argument, leaves));
-            (Precedence::Method, quote!(#a.#name(#(#arguments),*)))
-        }
-    };
-    if precedence < least { quote!((#tokens)) } else { tokens }
-}
-
-/// `a · b + c` as a sum, or as a difference where a sign allows it.
-pub(super) fn unfused(a: &Tree, rest: &[Tree]) -> Tree {
-    let [b, c] = rest else { unreachable!("`mul_add` has two arguments") };
-    let product = Tree::Mul(Box::new(a.clone()), Box::new(b.clone()));
-    match (a, b, c) {
-        (_, b, _) if b.is_negative() => {
-            let product = Tree::Mul(Box::new(a.clone()), Box::new(Tree::neg(b.clone())));
-            Tree::Sub(Box::new(c.clone()), Box::new(product))
-        }
-        (a, ..) if a.is_negative() => Tree::Sub(Box::new(c.clone()), Box::new(Tree::neg(product))),
-        (.., c) if c.is_negative() => Tree::Sub(Box::new(product), Box::new(Tree::neg(c.clone()))),
-        _ => Tree::Add(Box::new(product), Box::new(c.clone())),
-    }
-}
-
-/// Whether a value that is computed on demand is in it.
-fn asks(tree: &Tree, leaves: &impl Leaves) -> bool {
-    leaves.is_on_demand(tree) || tree.children().into_iter().any(|part| asks(part, leaves))
-}
-
-/// The shortest literal that reads back as `value`, its sign in front.
-pub(super) fn literal(value: f64) -> TokenStream {
-    assert!(value.is_finite(), "constants are finite");
-    let digits: Literal = format!("{:?}", value.abs()).parse().expect("Rust's floats print as literals");
-    if value.is_sign_negative() { quote!(-#digits) } else { quote!(#digits) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Whether infix.
-    struct Plain(bool);
-
-    impl Leaves for Plain {
-        fn constant(&self, value: f64) -> TokenStream {
-            literal(value)
-        }
-        fn is_signed(&self, value: f64) -> bool {
-            value.is_sign_negative()
-        }
-        fn leaf(&self, leaf: &Tree) -> TokenStream {
-            match leaf {
-                Tree::Local(0) => quote!(a),
-                Tree::Local(1) => quote!(b),
-                Tree::Local(2) => quote!(c),
-                Tree::Local(3) => quote!(d),
-                _ => quote!(k),
-            }
-        }
-        fn is_on_demand(&self, _: &Tree) -> bool {
-            false
-        }
-        fn is_infix(&self) -> bool {
-            self.0
-        }
-    }
-
-    #[track_caller]
-    fn check(tree: Tree, expected: &str) {
-        check_as(&tree, &Plain(false), expected);
-    }
-
-    #[track_caller]
-    fn check_as(tree: &Tree, leaves: &Plain, expected: &str) {
-        let expected: TokenStream = expected.parse().unwrap();
-        assert_eq!(print(tree, leaves).to_string(), expected.to_string());
-    }
-
-    #[test]
-    fn association_is_kept_and_parentheses_are_few() {
-        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
-        let k = || Tree::Hoisted(0);
-        check(Tree::mul(c.clone(), Tree::mul(b.clone(), a.clone())), "a * b * c");
-        check(Tree::mul(Tree::mul(b.clone(), a.clone()), k()), "k * (a * b)");
-        check(Tree::mul(Tree::mul(a.clone(), b.clone()), Tree::mul(c.clone(), d.clone())), "a * b * (c * d)");
-        check(Tree::mul(Tree::add(a.clone(), b.clone()), c.clone()), "c * (a + b)");
-        check(Tree::sub(a.clone(), Tree::sub(b.clone(), c.clone())), "a - (b - c)");
-        check(Tree::add(a.clone(), Tree::sub(b.clone(), c.clone())), "b - c + a");
-        check(Tree::div(a.clone(), Tree::mul(b.clone(), c.clone())), "a / (b * c)");
-        check(Tree::Method("sqrt", Box::new(Tree::sub(a, b)), Vec::new()), "(a - b).sqrt()");
-    }
-
-    #[test]
-    fn signs_move_where_they_cost_nothing() {
-        let [a, b, c, _] = [0, 1, 2, 3].map(Tree::Local);
-        let minus = |x: &Tree| Tree::neg(x.clone());
-        check(Tree::mul(minus(&a), minus(&b)), "a * b");
-        check(Tree::mul(a.clone(), minus(&b)), "-a * b");
-        check(Tree::add(a.clone(), minus(&b)), "a - b");
-        check(Tree::sub(a.clone(), minus(&b)), "a + b");
-        check(Tree::neg(Tree::div(a.clone(), b.clone())), "-a / b");
-        check(Tree::neg(Tree::sub(a, b)), "-(a - b)");
-        check(Tree::mul(Tree::Constant(-2.0), c), "-2.0 * c");
-    }
-
-    #[test]
-    fn a_product_in_a_sum_is_fused() {
-        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
-        let ab = || Tree::mul(a.clone(), b.clone());
-        check(Tree::add(ab(), c.clone()), "a.mul_add(b, c)");
-        check(Tree::add(c.clone(), ab()), "a.mul_add(b, c)");
-        check(Tree::sub(ab(), c.clone()), "a.mul_add(b, -c)");
-        check(Tree::sub(c.clone(), ab()), "a.mul_add(-b, c)");
-        check(Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a.mul_add(b, -c * d)");
-        check(Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "c.mul_add(-a * b, d)");
-        check(Tree::sub(c, Tree::mul(Tree::Constant(2.0), a)), "2.0.mul_add(-a, c)");
-    }
-
-    #[test]
-    fn for_review_it_is_a_sum_again() {
-        let [a, b, c, d] = [0, 1, 2, 3].map(Tree::Local);
-        let ab = || Tree::mul(a.clone(), b.clone());
-        for (tree, expected) in [
-            (Tree::add(ab(), c.clone()), "a * b + c"),
-            (Tree::sub(ab(), c.clone()), "a * b - c"),
-            (Tree::sub(c.clone(), ab()), "c - a * b"),
-            (Tree::sub(ab(), Tree::mul(c.clone(), d.clone())), "a * b - c * d"),
-            (Tree::sub(d.clone(), Tree::mul(c.clone(), ab())), "d - c * (a * b)"),
-            (Tree::add(ab(), Tree::add(c.clone(), d.clone())), "a * b + (c + d)"),
-            (Tree::mul(Tree::add(ab(), c.clone()), d.clone()), "d * (a * b + c)"),
-        ] {
-            check_as(&tree, &Plain(true), expected);
-        }
-    }
-
-    #[test]
-    fn literals_are_shortest_and_read_back() {
-        for (value, expected) in
-            [(0.5, "0.5"), (2.0, "2.0"), (1e300, "1e300"), (5e-324, "5e-324"), (0.295242, "0.295242")]
-        {
-            assert_eq!(literal(value).to_string(), expected);
-            assert_eq!(expected.parse(), Ok(value));
-        }
-        assert_eq!(literal(-0.1).to_string(), "- 0.1");
     }
 }

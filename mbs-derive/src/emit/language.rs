@@ -110,7 +110,7 @@ impl Language {
     /// assert!(functions.iter().any(|(name, docs)| name == "mass_matrix" && docs[0].contains("M")));
     /// ```
     pub fn documented(derivation: &Derivation) -> Vec<(String, Vec<String>)> {
-        let names = Names::of(derivation, true, Trigonometry::default()).functions;
+        let names = Names::of(derivation, Trigonometry::default()).functions;
         let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
         let functions = names.into_iter().zip(&derivation.functions);
         functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()

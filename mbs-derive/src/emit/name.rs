@@ -148,16 +148,17 @@ impl Scope {
 
     /// The name, if it is free; taken from now on.
     pub(super) fn exactly(&mut self, name: &str) -> Option<String> {
-        let free = identifier(name) == name && !self.taken.contains(name);
-        free.then(|| self.unique(name))
+        let is_free = !self.taken.contains(name) && identifier(name) == name;
+        is_free.then(|| {
+            self.taken.insert(name.to_string());
+            name.to_string()
+        })
     }
 }
 
 /// All names of a mechanism but those of the locals of one function.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
-    /// Whether sums of products are written as such.
-    pub(super) infix: bool,
     /// Which sines and cosines are computed.
     pub(super) trigonometry: Trigonometry,
     /// The mechanism's struct.
@@ -188,7 +189,7 @@ pub(super) struct Names {
 }
 
 impl Names {
-    pub(super) fn of(derivation: &Derivation, infix: bool, trigonometry: Trigonometry) -> Self {
+    pub(super) fn of(derivation: &Derivation, trigonometry: Trigonometry) -> Self {
         let mut scope = Scope::with(&RESERVED);
         let splines: Vec<Spline> = derivation.splines().into_iter().cloned().collect();
         scope.taken.extend((0..splines.len()).map(table));
@@ -227,7 +228,6 @@ impl Names {
         let mut fields = Scope::default();
         let mut methods = Scope::with(&METHODS);
         Names {
-            infix,
             trigonometry,
             mechanism: type_name(&derivation.name),
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),

@@ -1,7 +1,4 @@
-//! Results and their shapes: types, the components that a program computes, and values put in shape.
-
-use proc_macro2::{Literal, TokenStream};
-use quote::quote;
+//! The components of results, as programs compute them.
 
 use crate::optimise::{Completion, Derivation, Function, FunctionKind};
 use crate::shape::{ResultPart, Shape};
@@ -110,62 +107,4 @@ fn result_name(derivation: &Derivation, function: &Function, (name, shape): (&st
         (_, Shape::Wrench) => format!("{name}_{}", wrench(i)),
         (_, Shape::Wrenches(_)) => format!("{name}_{}_{}", i / 6, wrench(i % 6)),
     }
-}
-
-/// `T` or `[T; 6]`
-pub(super) fn array(of: TokenStream, length: Option<usize>) -> TokenStream {
-    match length {
-        None => of,
-        Some(n) => {
-            let n = Literal::usize_unsuffixed(n);
-            quote!([#of; #n])
-        }
-    }
-}
-
-pub(super) fn shape_type(shape: Shape) -> TokenStream {
-    match shape {
-        Shape::Scalar => quote!(T),
-        Shape::Vector(n) => array(quote!(T), Some(n)),
-        Shape::Matrix(rows, columns) => array(array(quote!(T), Some(columns)), Some(rows)),
-        Shape::Symmetric(n) => array(array(quote!(T), Some(n)), Some(n)),
-        Shape::Pose => quote!(::mbs_runtime::Pose<T>),
-        Shape::Wrench => quote!(::mbs_runtime::Wrench<T>),
-        Shape::Wrenches(n) => array(shape_type(Shape::Wrench), Some(n)),
-        Shape::Matrices(n, rows, columns) => array(shape_type(Shape::Matrix(rows, columns)), Some(n)),
-        Shape::Poses(n) => array(shape_type(Shape::Pose), Some(n)),
-    }
-}
-
-/// The next values in this shape.
-pub(super) fn shaped(shape: Shape, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
-    match shape {
-        Shape::Scalar => values.next().expect("a value for each component"),
-        Shape::Vector(n) => {
-            let entries = values.take(n);
-            quote!([#(#entries),*])
-        }
-        Shape::Matrix(rows, columns) => {
-            let rows: Vec<_> = (0..rows).map(|_| shaped(Shape::Vector(columns), values)).collect();
-            quote!([#(#rows),*])
-        }
-        Shape::Symmetric(n) => shaped(Shape::Matrix(n, n), values),
-        Shape::Pose => {
-            let (position, rotation) = (shaped(Shape::Vector(3), values), shaped(Shape::Matrix(3, 3), values));
-            quote!(::mbs_runtime::Pose { position: #position, rotation: #rotation })
-        }
-        Shape::Wrench => {
-            let (force, moment) = (shaped(Shape::Vector(3), values), shaped(Shape::Vector(3), values));
-            quote!(::mbs_runtime::Wrench { force: #force, moment: #moment })
-        }
-        Shape::Wrenches(n) => several(n, Shape::Wrench, values),
-        Shape::Matrices(n, rows, columns) => several(n, Shape::Matrix(rows, columns), values),
-        Shape::Poses(n) => several(n, Shape::Pose, values),
-    }
-}
-
-/// An array of `n` results in this shape.
-fn several(n: usize, shape: Shape, values: &mut dyn Iterator<Item = TokenStream>) -> TokenStream {
-    let elements: Vec<_> = (0..n).map(|_| shaped(shape, values)).collect();
-    quote!([#(#elements),*])
 }

@@ -1,5 +1,10 @@
 //! Statements of a body, before they are printed in a language.
 
+use std::collections::BTreeSet;
+
+use crate::expr::Symbol;
+
+use super::body::{FAMILIAR, familiar};
 use super::expression::Tree;
 
 /// A component of a result.
@@ -77,4 +82,28 @@ impl Block {
     pub(super) fn trees(&self) -> Vec<&Tree> {
         self.statements.iter().flat_map(Statement::trees).chain(&self.results).collect()
     }
+
+    /// What it reads.
+    pub(super) fn leaves(&self) -> Leaves {
+        let mut leaves = Leaves::default();
+        let mut found = |leaf: &Tree| match leaf {
+            Tree::Symbol(symbol) => leaves.symbols.extend([*symbol]),
+            Tree::Hoisted(k) => leaves.hoisted.extend([*k]),
+            Tree::Constant(value) => *familiar(*value).map_or(&mut leaves.others, |i| &mut leaves.familiar[i]) += 1,
+            _ => {}
+        };
+        self.trees().into_iter().for_each(|tree| tree.each_leaf(&mut found));
+        leaves
+    }
+}
+
+/// What a body reads but locals.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Leaves {
+    pub(super) symbols: BTreeSet<Symbol>,
+    pub(super) hoisted: BTreeSet<u32>,
+    /// How often each of the familiar constants.
+    pub(super) familiar: [usize; FAMILIAR.len()],
+    /// How often others.
+    pub(super) others: usize,
 }

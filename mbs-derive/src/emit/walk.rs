@@ -1,29 +1,37 @@
-//! One walk over a [`Derivation`] for languages that are not Rust: what stands in each function, in which order, with
-//! which names and documentation. A language says how that is written: [`Syntax`].
+//! One walk over a [`Derivation`] for all languages: what stands in each function, in which order, with which names and
+//! documentation. A language says how that is written: [`Syntax`].
 //!
-//! - `expression`: values, by infix operators.
+//! - `expression`: values, by operators and functions;
+//! - `layout`: lines and comments that languages have in common.
 //!
-//! What is computed on demand in Rust is computed at once: it has no effect but time.
+//! What is computed on demand in Rust is computed at once in the others: it has no effect but time.
 
 mod expression;
-
-use std::collections::BTreeSet;
+mod layout;
 
 use crate::expr::{Symbol, Trigonometry};
-use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Program};
+use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Instruction, Program};
 use crate::shape::Shape;
 use crate::variable::{self, Variable};
 
 use super::body::{Angle, Block, Body, Component, Statement};
 use super::expression::Tree;
 use super::name::{Names, Scope, snake_case};
-use super::text::each_leaf;
-use super::{Options, doc, item, shape};
+use super::{Options, doc, shape};
+pub(super) use layout::{block_comment, defaults, if_else, indented};
 
 /// How a language is written.
 pub(super) trait Syntax {
     /// The identifier for a name of Rust.
     fn identifier(&self, name: &str) -> String;
+    /// A constant or a name, as a body writes it.
+    fn leaf(&self, leaf: &Tree, body: &Body<'_>) -> String {
+        match leaf {
+            Tree::Constant(value) => self.constant(*value),
+            Tree::Hoisted(_) => self.hoisted(body.name(leaf)),
+            leaf => self.identifier(body.name(leaf)),
+        }
+    }
     /// The shortest literal that reads back as a value.
     fn constant(&self, value: f64) -> String;
     /// A value that depends on parameters alone, in a function.
@@ -36,10 +44,26 @@ pub(super) trait Syntax {
     }
     /// Not the condition.
     fn not(&self) -> &'static str;
-    /// One of two values that are known.
-    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String;
+    /// One of two values; `known` where nothing has to be computed for either.
+    fn select(&self, condition: &str, sides: [&str; 2], known: bool) -> String;
     /// A function of the language, by its name on `Scalar`; `own_sin`, `own_cos` give the same bits everywhere.
     fn call(&self, name: &str, arguments: &[String]) -> String;
+    /// Whether functions are methods of their first argument, comparisons among them.
+    fn has_methods(&self) -> bool {
+        false
+    }
+    /// Whether a product that a sum alone uses is fused with it, by the function `mul_add`.
+    fn fuses(&self) -> bool {
+        false
+    }
+    /// What a body begins with: names for what it reads.
+    fn begin(&self, reads: &[(&str, Place<'_>)], _body: &Body<'_>) -> Vec<String> {
+        reads.iter().map(|(name, place)| self.bind(&self.identifier(name), &self.read(place))).collect()
+    }
+    /// The statements of a block.
+    fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
+        block.statements.iter().flat_map(|statement| writer.statement(statement)).collect()
+    }
     /// Gives a value a name.
     fn bind(&self, name: &str, value: &str) -> String;
     /// Sine and cosine of an angle, by the function that gives the same bits everywhere.
@@ -50,16 +74,26 @@ pub(super) trait Syntax {
     }
     /// The derivative of this order of the spline with a number.
     fn spline(&self, table: usize, order: usize, x: &str) -> String;
+    /// Derivatives of one spline, by their orders.
+    fn splines(&self, names: &[String], orders: &[usize], table: usize, x: &str) -> Vec<String> {
+        names.iter().zip(orders).map(|(name, order)| self.bind(name, &self.spline(table, *order, x))).collect()
+    }
     /// Gives values names, of one side or the other.
     fn branch(&self, names: &[String], condition: &str, sides: [Side; 2]) -> Vec<String>;
+    /// Gives a value a name that may not be asked for.
+    fn on_demand(&self, name: &str, wanted: Side) -> Vec<String> {
+        wanted.lines.into_iter().chain([self.bind(name, &wanted.values[0])]).collect()
+    }
     /// What a function reads.
     fn read(&self, place: &Place<'_>) -> String;
 }
 
-/// One side of a branch: its lines, and the values.
+/// One side of a branch, or what is computed on demand: its lines, and the values.
 pub(super) struct Side {
     pub(super) lines: Vec<String>,
     pub(super) values: Vec<String>,
+    /// Whether the last line does nothing but give just the values their names.
+    pub(super) is_named_last: bool,
 }
 
 /// An angle, and the names of its sine and cosine, as far as they are read.
@@ -70,6 +104,7 @@ pub(super) struct Wanted {
 }
 
 /// Where a function finds a number.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place<'d> {
     /// The component of an argument.
     Argument(&'static str, usize),
@@ -84,6 +119,7 @@ pub(super) type Argued = (&'static str, Option<usize>);
 
 /// A function, as far as all languages agree.
 pub(super) struct Routine {
+    pub(super) kind: FunctionKind,
     /// Its name in Rust, without an escape.
     pub(super) name: String,
     pub(super) docs: Vec<String>,
@@ -92,9 +128,15 @@ pub(super) struct Routine {
     pub(super) parts: Vec<(String, Shape)>,
     /// What the program needs before: nothing, or the motion.
     pub(super) motion: Motion,
+    /// Whether that reads the multipliers of the motion.
+    pub(super) reads_multipliers: bool,
     pub(super) lines: Vec<String>,
-    /// Of the results; of what is solved M, row by row, A, and the right sides.
-    pub(super) values: Vec<String>,
+    /// M, row by row, where a system is solved.
+    pub(super) mass_matrix: Vec<String>,
+    /// A, row by row, where a system with constraints is solved.
+    pub(super) jacobian: Vec<String>,
+    /// Of each part: its numbers, or the right sides that it is solved for, row by row.
+    pub(super) values: Vec<Vec<String>>,
     pub(super) ending: Ending,
 }
 
@@ -103,6 +145,25 @@ impl Routine {
     pub(super) fn is_motion(&self) -> bool {
         matches!(self.ending, Ending::Motion)
     }
+
+    /// How many columns each part has.
+    pub(super) fn widths(&self) -> Vec<usize> {
+        self.parts.iter().map(|(_, shape)| columns(*shape)).collect()
+    }
+
+    /// The right sides of all parts side by side: this many rows.
+    pub(super) fn right_sides(&self, rows: usize) -> Vec<Vec<String>> {
+        let widths = self.widths();
+        let row = |i: usize| {
+            let parts = self.values.iter().zip(&widths);
+            parts.flat_map(|(values, width)| values[i * width..(i + 1) * width].iter().cloned()).collect()
+        };
+        (0..rows).map(row).collect()
+    }
+}
+
+fn columns(shape: Shape) -> usize {
+    if let Shape::Matrix(_, columns) = shape { columns } else { 1 }
 }
 
 /// What a program is evaluated at.
@@ -157,10 +218,10 @@ pub(super) struct Writer<'w, 'n> {
 
 impl<'d> Walk<'d> {
     pub(super) fn new(derivation: &'d Derivation, source: &'d str, options: &Options) -> Self {
-        let functions = item::selected(derivation, options.functions.as_deref());
+        let functions = selected(derivation, options.functions.as_deref());
         Walk {
             derivation,
-            names: Names::of(derivation, true, options.trigonometry),
+            names: Names::of(derivation, options.trigonometry),
             functions,
             source,
             library_sines: options.trigonometry == Trigonometry::Library,
@@ -175,9 +236,10 @@ impl<'d> Walk<'d> {
     /// What stands on top.
     pub(super) fn docs(&self) -> Vec<String> {
         let functions: Vec<&Function> = self.functions.iter().map(|(_, f)| *f).collect();
-        let source: String = self.source.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let first = format!("Generated by mbs {} from {source}. Do not edit.", env!("CARGO_PKG_VERSION"));
-        [first, String::new()].into_iter().chain(doc::mechanism(self.derivation, &functions)).collect()
+        [generated_from(self.source), String::new()]
+            .into_iter()
+            .chain(doc::mechanism(self.derivation, &functions))
+            .collect()
     }
 
     /// Parameters with the names of their fields, without escapes.
@@ -194,7 +256,7 @@ impl<'d> Walk<'d> {
 
     pub(super) fn hoisted(&self) -> Vec<usize> {
         let functions = self.functions.iter().map(|(_, function)| *function);
-        item::hoisted(self.derivation, functions.chain(self.constrained().map(|(_, function)| function)))
+        hoisted(self.derivation, functions.chain(self.constrained().map(|(_, function)| function)))
     }
 
     /// The lines of the constructor, then names and values of what depends on parameters alone.
@@ -206,6 +268,13 @@ impl<'d> Walk<'d> {
         let (lines, values) = self.evaluated(&self.derivation.constructor, &components, scope, syntax);
         let names = hoisted.iter().map(|&k| self.names.hoisted[k].clone());
         (lines, names.zip(values).collect())
+    }
+
+    /// The lines that compute what parameters must satisfy, and its values.
+    pub(super) fn required(&self, syntax: &dyn Syntax) -> (Vec<String>, Vec<String>) {
+        let program = &self.derivation.required;
+        let all: Vec<Component> = (0..program.results.len()).map(|k| Component::Result(k, String::new())).collect();
+        self.evaluated(program, &all, self.names.constructor_scope(), syntax)
     }
 
     /// The lines that compute a program, and its values.
@@ -223,31 +292,15 @@ impl<'d> Walk<'d> {
 
     /// All functions; before those with constraints what they have in common.
     pub(super) fn routines(&self, syntax: &dyn Syntax) -> Vec<Routine> {
-        let motion = self.constrained().map(|(number, function)| {
-            let mut motion = self.routine(number, function, syntax, true);
-            motion.name = plain(&self.names.constrained_motion);
-            motion.docs = vec!["Accelerations and multipliers.".to_string()];
-            motion.parts = vec![
-                ("qdd".to_string(), Shape::Vector(self.derivation.dof())),
-                ("multipliers".to_string(), Shape::Vector(self.derivation.constraints.len())),
-            ];
-            motion
-        });
+        let motion = self.constrained().map(|(number, function)| self.routine(number, function, syntax, true));
         let functions = self.functions.iter().map(|(number, function)| self.routine(*number, function, syntax, false));
         motion.into_iter().chain(functions).collect()
     }
 
     fn routine(&self, number: usize, function: &Function, syntax: &dyn Syntax, is_motion: bool) -> Routine {
-        let (motion, ending) = match (&function.kind, function.completion) {
-            _ if is_motion => (Motion::Given, Ending::Motion),
-            (_, Completion::None) => (Motion::Given, Ending::Values),
-            (_, Completion::Solve) if item::calls_forward_dynamics(function) => (Motion::Accelerations, Ending::Solve),
-            (_, Completion::Solve) => (Motion::Given, Ending::Solve),
-            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
-                (Motion::Constrained, Ending::OfMotion("qdd"))
-            }
-            (_, Completion::SolveMultipliers) => (Motion::Constrained, Ending::OfMotion("multipliers")),
-            (kind, Completion::SolveConstrained) => (Motion::Constrained, Ending::Slopes(self.sizes(*kind, syntax))),
+        let (motion, ending) = match is_motion {
+            true => (Motion::Given, Ending::Motion),
+            false => self.steps(function, syntax),
         };
         let (lines, values) = match ending {
             Ending::OfMotion(_) => (Vec::new(), Vec::new()),
@@ -256,15 +309,56 @@ impl<'d> Walk<'d> {
                 self.evaluated(&function.program, &components, self.names.function_scope(), syntax)
             }
         };
+        let [n, .., k] = self.sizes();
+        let (name, docs, parts) = match is_motion {
+            true => {
+                let parts = [("qdd", n), ("multipliers", k)].map(|(name, n)| (name.to_string(), Shape::Vector(n)));
+                let docs = vec!["Accelerations and multipliers.".to_string()];
+                (&self.names.constrained_motion, docs, parts.to_vec())
+            }
+            false => {
+                let parts = function.results.iter().map(|part| (part.name.to_string(), part.shape));
+                (&self.names.functions[number], doc::function(self.derivation, function), parts.collect())
+            }
+        };
+        let mut values = values.into_iter();
+        let mut next = |count: usize| values.by_ref().take(count).collect::<Vec<String>>();
+        let (mass_matrix, jacobian) = match ending {
+            Ending::Values | Ending::OfMotion(_) => (Vec::new(), Vec::new()),
+            Ending::Solve => (next(n * n), Vec::new()),
+            Ending::Motion | Ending::Slopes(_) => (next(n * n), next(k * n)),
+        };
+        let count = |shape: Shape| match ending {
+            Ending::Slopes(_) => (n + k) * columns(shape),
+            Ending::Values | Ending::Solve | Ending::Motion | Ending::OfMotion(_) => shape.entries(),
+        };
         Routine {
-            name: plain(&self.names.functions[number]),
-            docs: doc::function(self.derivation, function),
+            kind: function.kind,
+            name: plain(name),
+            docs,
             arguments: self.arguments(function),
-            parts: function.results.iter().map(|part| (part.name.to_string(), part.shape)).collect(),
             motion,
+            reads_multipliers: function.program.uses(|symbol| matches!(symbol, Symbol::Multiplier(_))),
             lines,
-            values,
+            mass_matrix,
+            jacobian,
+            values: parts.iter().map(|(_, shape)| next(count(*shape))).collect(),
+            parts,
             ending,
+        }
+    }
+
+    /// What a function's program is evaluated at, and how its results come from its values.
+    fn steps(&self, function: &Function, syntax: &dyn Syntax) -> (Motion, Ending) {
+        match (function.kind, function.completion) {
+            (_, Completion::None) => (Motion::Given, Ending::Values),
+            (_, Completion::Solve) if calls_forward_dynamics(function) => (Motion::Accelerations, Ending::Solve),
+            (_, Completion::Solve) => (Motion::Given, Ending::Solve),
+            (FunctionKind::ForwardDynamics, Completion::SolveConstrained) => {
+                (Motion::Constrained, Ending::OfMotion("qdd"))
+            }
+            (_, Completion::SolveMultipliers) => (Motion::Constrained, Ending::OfMotion("multipliers")),
+            (kind, Completion::SolveConstrained) => (Motion::Constrained, Ending::Slopes(self.measures(kind, syntax))),
         }
     }
 
@@ -274,7 +368,7 @@ impl<'d> Walk<'d> {
         plain(&self.names.functions[number.expect("it was selected")])
     }
 
-    fn sizes(&self, kind: FunctionKind, syntax: &dyn Syntax) -> Sizes {
+    fn measures(&self, kind: FunctionKind, syntax: &dyn Syntax) -> Sizes {
         match kind {
             FunctionKind::LinearizeParameters => {
                 let all = 0..variable::count(&self.derivation.parameters);
@@ -289,15 +383,23 @@ impl<'d> Walk<'d> {
         self.derivation.constraint_vectors.iter().map(ToString::to_string).collect()
     }
 
+    /// How many coordinates, inputs, prescribed motions and rows of constraints there are.
+    pub(super) fn sizes(&self) -> [usize; 4] {
+        let derivation = self.derivation;
+        let [inputs, signals] =
+            [&derivation.inputs, &derivation.prescribed].map(|variables| variable::count(variables));
+        [derivation.dof(), inputs, signals, derivation.constraints.len()]
+    }
+
     pub(super) fn arguments(&self, function: &Function) -> Vec<Argued> {
+        let [n, inputs, signals, rows] = self.sizes();
         let time = self.derivation.depends_on_time.then_some(("t", None));
-        let signals = variable::count(&self.derivation.prescribed);
         let prescribed = (signals > 0).then_some(("prescribed", Some(signals)));
         let state = function.arguments.iter().filter_map(|&argument| {
             let count = match argument {
-                Argument::Q | Argument::Qd | Argument::Qdd => self.derivation.dof(),
-                Argument::U => variable::count(&self.derivation.inputs),
-                Argument::Multipliers => self.derivation.constraints.len(),
+                Argument::Q | Argument::Qd | Argument::Qdd => n,
+                Argument::U => inputs,
+                Argument::Multipliers => rows,
             };
             (count > 0).then_some((argument.name(), Some(count)))
         });
@@ -307,28 +409,25 @@ impl<'d> Walk<'d> {
     /// Names for what a body reads, then its statements.
     fn lines(&self, writer: &Writer<'_, '_>) -> Vec<String> {
         let Writer { body, syntax, .. } = writer;
-        let mut symbols = BTreeSet::new();
-        each_leaf(body.block.trees().into_iter(), &mut |leaf| {
-            if let Tree::Symbol(symbol) = leaf {
-                symbols.insert(*symbol);
-            }
-        });
-        let mut lines = Vec::new();
-        for symbol in symbols {
-            let place = match symbol {
-                Symbol::Time => continue,
-                Symbol::Coordinate(i) => Place::Argument("q", i as usize),
-                Symbol::Velocity(i) => Place::Argument("qd", i as usize),
-                Symbol::Acceleration(i) => Place::Argument("qdd", i as usize),
-                Symbol::Input(i) => Place::Argument("u", i as usize),
-                Symbol::Multiplier(i) => Place::Argument("multipliers", i as usize),
-                Symbol::Prescribed(i, order) => Place::Prescribed(i as usize, usize::from(order)),
-                Symbol::Parameter(i) => self.parameter(i as usize),
-            };
-            lines.push(syntax.bind(&syntax.identifier(self.names.symbol(symbol)), &syntax.read(&place)));
-        }
-        lines.extend(writer.block(&body.block));
+        let place = |symbol: &Symbol| self.place(*symbol).map(|place| (self.names.symbol(*symbol), place));
+        let reads: Vec<(&str, Place<'_>)> = body.leaves.symbols.iter().filter_map(place).collect();
+        let mut lines = syntax.begin(&reads, body);
+        lines.extend(syntax.block(&body.block, writer));
         lines
+    }
+
+    /// Where a symbol is found; time is an argument itself.
+    fn place(&self, symbol: Symbol) -> Option<Place<'_>> {
+        Some(match symbol {
+            Symbol::Time => return None,
+            Symbol::Coordinate(i) => Place::Argument("q", i as usize),
+            Symbol::Velocity(i) => Place::Argument("qd", i as usize),
+            Symbol::Acceleration(i) => Place::Argument("qdd", i as usize),
+            Symbol::Input(i) => Place::Argument("u", i as usize),
+            Symbol::Multiplier(i) => Place::Argument("multipliers", i as usize),
+            Symbol::Prescribed(i, order) => Place::Prescribed(i as usize, usize::from(order)),
+            Symbol::Parameter(i) => self.parameter(i as usize),
+        })
     }
 
     /// Where a parameter's component is.
@@ -347,45 +446,70 @@ impl<'d> Walk<'d> {
 }
 
 impl Writer<'_, '_> {
-    /// Statements, one or more lines each.
-    fn block(&self, block: &Block) -> Vec<String> {
+    /// The lines of a statement.
+    pub(super) fn statement(&self, statement: &Statement) -> Vec<String> {
         let syntax = self.syntax;
         let name = |local: &usize| syntax.identifier(&self.body.locals[*local]);
-        let mut lines = Vec::new();
-        for statement in &block.statements {
-            match statement {
-                Statement::Let(local, tree) => lines.push(syntax.bind(&name(local), &self.print(tree))),
-                Statement::SinCos(angles) => {
-                    let number = angles.iter().find_map(|angle| angle.sin.or(angle.cos)).unwrap_or_default();
-                    let wanted = angles.iter().map(|Angle { tree, sin, cos }| {
-                        let [sin, cos] = [sin, cos].map(|local| local.as_ref().map(name));
-                        Wanted { angle: self.print(tree), sin, cos }
-                    });
-                    let wanted: Vec<Wanted> = wanted.collect();
-                    lines.extend(syntax.sin_cos_all(&wanted, self.library_sines, number));
-                }
-                Statement::Spline { table, orders, locals, x } => {
-                    let x = self.print(x);
-                    let bound =
-                        |(local, order): (_, &usize)| syntax.bind(&name(local), &syntax.spline(*table, *order, &x));
-                    lines.extend(locals.iter().zip(orders).map(bound));
-                }
-                Statement::Branch(locals, condition, sides) => {
-                    let names: Vec<String> = locals.iter().map(name).collect();
-                    let sides = sides.each_ref().map(|side| Side {
-                        lines: self.block(side),
-                        values: side.results.iter().map(|tree| self.print(tree)).collect(),
-                    });
-                    lines.extend(syntax.branch(&names, &self.print(condition), sides));
-                }
-                Statement::OnDemand(local, wanted) => {
-                    lines.extend(self.block(wanted));
-                    lines.push(syntax.bind(&name(local), &self.print(&wanted.results[0])));
-                }
+        match statement {
+            Statement::Let(local, tree) => vec![syntax.bind(&name(local), &self.print(tree))],
+            Statement::SinCos(angles) => {
+                let number = angles.iter().find_map(|angle| angle.sin.or(angle.cos)).unwrap_or_default();
+                let wanted = angles.iter().map(|Angle { tree, sin, cos }| {
+                    let [sin, cos] = [sin, cos].map(|local| local.as_ref().map(name));
+                    let angle = if self.library_sines { self.first_argument(tree) } else { self.print(tree) };
+                    Wanted { angle, sin, cos }
+                });
+                let wanted: Vec<Wanted> = wanted.collect();
+                syntax.sin_cos_all(&wanted, self.library_sines, number)
             }
+            Statement::Spline { table, orders, locals, x } => {
+                let names: Vec<String> = locals.iter().map(name).collect();
+                syntax.splines(&names, orders, *table, &self.print(x))
+            }
+            Statement::Branch(locals, condition, sides) => {
+                let names: Vec<String> = locals.iter().map(name).collect();
+                syntax.branch(&names, &self.print(condition), sides.each_ref().map(|side| self.side(side)))
+            }
+            Statement::OnDemand(local, wanted) => syntax.on_demand(&name(local), self.side(wanted)),
         }
-        lines
     }
+
+    fn side(&self, block: &Block) -> Side {
+        let names_all = |last: &Statement| {
+            let (is_one, locals) = (matches!(last, Statement::Let(..) | Statement::Branch(..)), last.binds());
+            is_one && locals.into_iter().map(Tree::Local).eq(block.results.iter().cloned())
+        };
+        Side {
+            lines: self.syntax.block(block, self),
+            values: block.results.iter().map(|tree| self.print(tree)).collect(),
+            is_named_last: block.statements.last().is_some_and(names_all),
+        }
+    }
+}
+
+/// The functions asked for, and those that they call, in their order.
+pub(super) fn selected<'d>(derivation: &'d Derivation, asked_for: Option<&[String]>) -> Vec<(usize, &'d Function)> {
+    let is_asked_for = |f: &Function| asked_for.is_none_or(|names| names.contains(&f.name));
+    let calls_dynamics = derivation.functions.iter().any(|f| is_asked_for(f) && calls_forward_dynamics(f));
+    let chosen = |f: &Function| is_asked_for(f) || (calls_dynamics && f.kind == FunctionKind::ForwardDynamics);
+    derivation.functions.iter().enumerate().filter(|(_, f)| chosen(f)).collect()
+}
+
+/// Whether a function evaluates its program at the accelerations of forward dynamics.
+fn calls_forward_dynamics(function: &Function) -> bool {
+    function.completion == Completion::Solve
+        && function.program.uses(|symbol| matches!(symbol, Symbol::Acceleration(_)))
+}
+
+/// The hoisted values that some functions read.
+fn hoisted<'d>(derivation: &Derivation, functions: impl Iterator<Item = &'d Function>) -> Vec<usize> {
+    let mut read = vec![false; derivation.constructor.results.len()];
+    for instruction in functions.flat_map(|function| &function.program.instructions) {
+        if let Instruction::Hoisted(k) = instruction {
+            read[*k as usize] = true;
+        }
+    }
+    (0..read.len()).filter(|&k| read[k]).collect()
 }
 
 /// Sine and cosine of one angle, as far as they are read.
@@ -406,61 +530,13 @@ pub(super) fn one_angle<S: Syntax + ?Sized>(
     }
 }
 
-/// A branch by statements: how it begins, what ends each side, and how far to the right they stand.
-pub(super) fn if_else(
-    mut lines: Vec<String>,
-    names: &[String],
-    sides: &[Side; 2],
-    ends: [&str; 2],
-    by: usize,
-) -> Vec<String> {
-    for (side, end) in sides.iter().zip(ends) {
-        let results = names.iter().zip(&side.values).map(|(name, value)| format!("{name} = {value};"));
-        let within: Vec<String> = side.lines.iter().cloned().chain(results).collect();
-        lines.extend(indented(&within, by));
-        lines.push(end.to_string());
-    }
-    lines
+/// The first line of a text.
+pub(super) fn generated_from(source: &str) -> String {
+    let source: String = source.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    format!("Generated by mbs {} from {source}. Do not edit.", env!("CARGO_PKG_VERSION"))
 }
 
 /// Without the escape of a keyword of Rust.
 pub(super) fn plain(name: &str) -> String {
     name.strip_prefix("r#").unwrap_or(name).to_string()
-}
-
-/// Farther to the right.
-pub(super) fn indented<'a>(lines: impl IntoIterator<Item = &'a String>, by: usize) -> impl Iterator<Item = String> {
-    let indent = " ".repeat(by);
-    let lines = lines.into_iter();
-    let lines: Vec<String> =
-        lines.map(|line| if line.is_empty() { String::new() } else { format!("{indent}{line}") }).collect();
-    lines.into_iter()
-}
-
-/// A parameter's declared value, with these brackets around lists.
-pub(super) fn defaults(
-    parameter: &Variable,
-    constant: &dyn Fn(f64) -> String,
-    list: &dyn Fn(&[String]) -> String,
-) -> String {
-    let values: Vec<String> = parameter.defaults.iter().map(|value| constant(value.to_f64())).collect();
-    match (parameter.length, parameter.columns) {
-        (None, _) => values[0].clone(),
-        (Some(_), None) => list(&values),
-        (Some(_), Some(columns)) => list(&values.chunks(columns).map(list).collect::<Vec<_>>()),
-    }
-}
-
-/// A comment that documentation generators of C and JavaScript read.
-pub(super) fn block_comment(lines: &[String], by: usize) -> String {
-    let indent = " ".repeat(by);
-    let lines: Vec<String> = lines.iter().map(|line| line.replace("*/", "* /").replace("/*", "/ *")).collect();
-    match lines.as_slice() {
-        [line] => format!("{indent}/** {line} */\n"),
-        lines => {
-            let lines: String =
-                lines.iter().map(|line| format!("{indent} * {line}").trim_end().to_string() + "\n").collect();
-            format!("{indent}/**\n{lines}{indent} */\n")
-        }
-    }
 }

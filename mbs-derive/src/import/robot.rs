@@ -209,9 +209,11 @@ impl Robot {
                 reader.refuse(joint.span.clone(), message, "write a vector along it, such as `0 0 1`");
             }
         }
-        if joints().all(|joint| joint.mimic.is_some()) && !reader.errors.has_errors() {
+        // Where all joints follow others they follow each other, or what is missing: that is told by the writer.
+        if joints().next().is_none() && !reader.errors.has_errors() {
             let place = self.bodies.first().map_or(0..0, |body| body.span.clone());
-            reader.refuse(place, format!("no joint of the robot `{}` moves", self.name), "a mechanism has coordinates");
+            let help = "a mechanism has coordinates: with `mbs import --floating` the base moves freely";
+            reader.refuse(place, format!("no joint of the robot `{}` moves", self.name), help);
         }
     }
 
@@ -265,6 +267,10 @@ fn check_inertial(name: &str, inertial: &Inertial, any_inertia: bool, reader: &m
         None if *mass > 0.0 && c / mass > 100.0 => {
             let message = format!("the inertia of the link `{name}` is that of a body of more than ten metres");
             reader.warn(span.clone(), message, "is it in kg·m², and the mass in kg?");
+        }
+        None if *mass == 0.0 && c > 0.0 => {
+            let message = format!("the link `{name}` has an inertia, and no mass");
+            reader.warn(span.clone(), message, "what turns has both: is its mass missing?");
         }
         None => {}
     }

@@ -5,12 +5,12 @@
 //!
 //! Source: *SDFormat specification* 1.6 to 1.11, `sdf/*.sdf` of the library sdformat.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
 use super::pose::{Pose, transposed, turned, turned_inertia};
-use super::robot::{Body, Form, Inertial, Joint, Kind, Robot, Shape};
+use super::robot::{Body, Form, Inertial, Joint, Kind, Mimic, Robot, Shape};
 use super::xml::{Reader, child, children, place, tag};
 
 /// Gravity of a world that states none, m/s².
@@ -25,6 +25,8 @@ struct Model<'a, 'i> {
     names: BTreeMap<&'a str, usize>,
     /// Places of links and of frames by their names.
     poses: BTreeMap<&'a str, Pose>,
+    /// The names of joints that turn about two axes.
+    two_axes: BTreeSet<&'a str>,
 }
 
 /// A robot; what is wrong is noted.
@@ -82,7 +84,9 @@ impl<'a, 'i> Model<'a, 'i> {
         if links.is_empty() {
             reader.refuse(tag(model), "the model has no links", "write `<link name=\"…\">…</link>`");
         }
-        let mut read = Model { links, names, poses: BTreeMap::new() };
+        let is_of_two = |joint: &Node<'a, 'i>| matches!(joint.attribute("type"), Some("universal" | "revolute2"));
+        let two_axes = children(model, "joint").filter(is_of_two).filter_map(|joint| joint.attribute("name")).collect();
+        let mut read = Model { links, names, poses: BTreeMap::new(), two_axes };
         read.place(model, reader);
         (!reader.errors.has_errors()).then_some(read)
     }
@@ -331,6 +335,7 @@ impl<'a, 'i> Model<'a, 'i> {
             parts.extend(number(limit, "velocity").filter(|rate| *rate > 0.0).map(|rate| format!("{rate} {way}/s")));
             joint.limits = parts.join(", ");
         }
+        self.mimicked(joint, node, reader);
         let Some(xyz) = child(node, "xyz") else { return };
         let Some(axis) = reader.content::<3>(xyz, &format!("the axis of the joint `{name}`")) else { return };
         let of_model = |base: &Pose| turned(&transposed(&own.turn), turned(&base.turn, axis));
@@ -352,10 +357,26 @@ impl<'a, 'i> Model<'a, 'i> {
                 }
             },
         };
-        if let Some(mimic) = child(node, "mimic") {
-            let message = format!("the mimic of the joint `{name}` is not imported");
-            reader.refuse(tag(mimic), message, "write it as a constraint beside the import");
-        }
+    }
+
+    /// `multiplier*(other − reference) + offset`.
+    fn mimicked(&self, joint: &mut Joint, node: Node<'a, 'i>, reader: &mut Reader) {
+        let Some(mimic) = child(node, "mimic") else { return };
+        let name = joint.name.clone();
+        let Some(other) = reader.wanted(mimic, "joint", &format!("the mimic of the joint `{name}`")) else { return };
+        let mut number = |what: &str, without: f64| {
+            let Some(node) = child(mimic, what) else { return without };
+            reader.content::<1>(node, &format!("the {what} of the joint `{name}`")).map_or(without, |[number]| number)
+        };
+        let (factor, offset, reference) = (number("multiplier", 1.0), number("offset", 0.0), number("reference", 0.0));
+        // A joint of two axes has two coordinates.
+        let suffix = match (mimic.attribute("axis"), self.two_axes.contains(other)) {
+            (Some("axis2"), true) => "_2",
+            (_, true) => "_1",
+            (_, false) => "",
+        };
+        let offset = offset - factor * reference;
+        joint.mimic = Some(Mimic { joint: format!("{other}{suffix}"), factor, offset, span: tag(mimic) });
     }
 }
 
@@ -377,6 +398,8 @@ fn pose_of(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose {
     };
     if pose.attribute("degrees") == Some("true") {
         rpy = rpy.map(f64::to_radians);
+    } else {
+        reader.doubt_angles(rpy, tag(pose), of);
     }
     Pose::of_rpy([x, y, z], rpy)
 }

@@ -165,7 +165,10 @@ pub(super) fn origin(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose 
     let mut read = |name: &str, what: String| reader.array::<3>(origin, name, &what);
     let shift = read("xyz", format!("the origin of {of}"));
     match read("rpy", format!("the attitude of {of}")) {
-        Some(rpy) => Pose::of_rpy(shift.unwrap_or_default(), rpy),
+        Some(rpy) => {
+            reader.doubt_angles(rpy, place(origin, "rpy"), of);
+            Pose::of_rpy(shift.unwrap_or_default(), rpy)
+        }
         None => Pose { shift: shift.unwrap_or_default(), ..Pose::default() },
     }
 }

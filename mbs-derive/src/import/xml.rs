@@ -37,8 +37,13 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, Diagnostics> {
 fn too_deep(text: &str) -> Option<usize> {
     let (mut depth, bytes) = (0usize, text.as_bytes());
     let mut open = None;
+    let mut behind_comment = 0;
     for (at, byte) in bytes.iter().enumerate() {
         match byte {
+            _ if at < behind_comment => {}
+            b'<' if text[at..].starts_with("<!--") => {
+                behind_comment = text[at..].find("-->").map_or(text.len(), |length| at + length + "-->".len());
+            }
             b'<' if !matches!(bytes.get(at + 1), Some(b'!' | b'?')) => open = Some(at),
             b'>' => {
                 if let Some(start) = open.take() {
@@ -113,6 +118,16 @@ impl Reader {
         let warning = self.errors.warning(Code::Data, place, message);
         if !help.is_empty() {
             warning.help(help);
+        }
+    }
+
+    /// Warns of angles that are more than a whole turn: they are degrees, most likely.
+    pub(super) fn doubt_angles(&mut self, angles: [f64; 3], place: Span, of: &str) {
+        // A turn that was rounded up to some digits is one.
+        const TURN: f64 = 1.0001 * std::f64::consts::TAU;
+        if let Some(angle) = angles.into_iter().find(|angle| angle.abs() > TURN) {
+            let help = "angles are in rad here: a right angle is 1.5707963267948966";
+            self.warn(place, format!("the attitude of {of} has an angle of {angle} rad, more than a whole turn"), help);
         }
     }
 

@@ -3,7 +3,6 @@
 //! declared symbols.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use crate::derive::{Equations, routes};
@@ -20,11 +19,14 @@ use crate::state::State;
 /// Relative to the largest entry of the same matrix: entries that cancel are as exact as their terms.
 const TOLERANCE: f64 = 1e-10;
 
-/// A mechanism of the repository; `None` in a package, which has none beside it.
+/// A mechanism of the repository with what it imports in place; `None` in a package, which has none beside it.
 fn source(name: &str) -> Option<String> {
     let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
     let path = models.join("mechanisms").join(format!("{name}.mbs"));
-    models.is_dir().then(|| fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())))
+    models.is_dir().then(|| {
+        let sources = crate::read(&path).unwrap_or_else(|report| panic!("{report}"));
+        crate::parse::in_one_text(&sources).unwrap_or_else(|errors| panic!("{}", errors.render_in(&sources)))
+    })
 }
 
 /// Symbols of the page by their values.

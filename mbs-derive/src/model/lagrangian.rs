@@ -4,7 +4,9 @@
 //! copy with the local rules applied, and `verify` proves the result against the verbatim one.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+#[cfg(test)]
+use std::ops::DerefMut;
+use std::ops::{Deref, Range};
 
 use crate::expr::{Expr, Graph, Id, Matrix, Number, Symbol, Vector};
 use crate::variable::Variable;
@@ -186,7 +188,7 @@ pub struct Drawing<'g> {
     /// factors along its axes. Constant in time.
     pub sizes: Vec<Expr<'g>>,
     /// The frame that it is fixed in, with its centre at the origin; a mesh as its file has it. One of
-    /// [`pictured`](Lagrangian::pictured).
+    /// [`pictured`](Draft::pictured).
     pub frame: FrameId,
     /// The pose as written.
     pub on: String,
@@ -206,9 +208,37 @@ pub struct Choice {
 /// Auxiliary coordinates of a joint that is let go: shifts along the axes of its pose, then turns about them.
 pub(crate) const AUXILIARY: usize = 6;
 
-/// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs.
+/// A mechanism as declared: `L = T − V + Σ lagrangian terms`, with `D`, `Q` and outputs. All passes read it; only
+/// `model`, whose statements fill in a draft, writes it.
 #[derive(Clone, Debug)]
-pub struct Lagrangian<'g> {
+pub struct Lagrangian<'g>(pub(in crate::model) Draft<'g>);
+
+impl<'g> Deref for Lagrangian<'g> {
+    type Target = Draft<'g>;
+
+    fn deref(&self) -> &Draft<'g> {
+        &self.0
+    }
+}
+
+/// Tests of the passes put mechanisms together without a text.
+#[cfg(test)]
+impl<'g> DerefMut for Lagrangian<'g> {
+    fn deref_mut(&mut self) -> &mut Draft<'g> {
+        &mut self.0
+    }
+}
+
+#[cfg(test)]
+impl<'g> Lagrangian<'g> {
+    pub(crate) fn new(graph: &'g Graph, name: &str) -> Self {
+        Lagrangian(Draft::new(graph, name))
+    }
+}
+
+/// A mechanism while statements are added to it, and the parts of a [`Lagrangian`].
+#[derive(Clone, Debug)]
+pub struct Draft<'g> {
     /// The verbatim graph of all expressions below.
     pub graph: &'g Graph,
     /// In upper camel case, as declared.
@@ -262,10 +292,10 @@ pub struct Lagrangian<'g> {
     pub(in crate::model) drawn: Option<Box<Lagrangian<'g>>>,
 }
 
-impl<'g> Lagrangian<'g> {
+impl<'g> Draft<'g> {
     /// An empty mechanism, to be built up by the methods below.
     pub fn new(graph: &'g Graph, name: &str) -> Self {
-        Lagrangian {
+        Draft {
             graph,
             name: name.to_string(),
             docs: Vec::new(),
@@ -377,7 +407,7 @@ impl<'g> Lagrangian<'g> {
         energy
     }
 
-    /// The expression of [`Lagrangian::kinetic_energy_of`].
+    /// The expression of [`Draft::kinetic_energy_of`].
     pub(crate) fn energy_of(&self, body: &Body<'g>) -> Expr<'g> {
         let half = 1 / self.graph.integer(2);
         let Body { mass, com, inertia, frame } = *body;

@@ -1,9 +1,9 @@
 //! What there is to draw of a mechanism, for reports and animations: shapes, and bodies by their inertias.
 
 use crate::expr::Expr;
-use crate::model::lagrangian::{Drawing, Lagrangian, Output, OutputValue};
+use crate::model::lagrangian::{Draft, Drawing, Lagrangian, Output, OutputValue};
 
-impl<'g> Lagrangian<'g> {
+impl<'g> Draft<'g> {
     /// What bodies look like, in order of their statements.
     ///
     /// ```
@@ -13,11 +13,11 @@ impl<'g> Lagrangian<'g> {
     /// let (lagrangian, _) = mbs_derive::declared(text, &graph, &[]).unwrap();
     /// let [ball] = lagrangian.drawings() else { panic!() };
     /// assert_eq!((ball.kind, ball.on.as_str()), ("sphere", "ball"));
-    /// let outputs: Vec<String> = lagrangian.pictured().outputs.into_iter().map(|output| output.name).collect();
+    /// let outputs: Vec<String> = lagrangian.pictured().outputs.iter().map(|output| output.name.clone()).collect();
     /// assert_eq!(outputs, ["shape_0", "shape_0_size", "body_0", "body_0_inertia"]);
     /// ```
     pub fn drawings(&self) -> &[Drawing<'g>] {
-        &self.drawn.as_deref().unwrap_or(self).drawings
+        &self.with_shapes().drawings
     }
 
     /// A mechanism to draw by: this one, whose outputs tell besides where its shapes and bodies are. It has no
@@ -34,7 +34,7 @@ impl<'g> Lagrangian<'g> {
     /// frames that the mechanism itself does not have: frames of the picture are its own.
     #[must_use]
     pub fn pictured(&self) -> Lagrangian<'g> {
-        let mut picture = self.drawn.as_deref().unwrap_or(self).clone();
+        let mut picture = self.with_shapes().clone();
         picture.reactions.clear();
         picture.released = None;
         let is_taken = |begin: String| {
@@ -58,7 +58,7 @@ impl<'g> Lagrangian<'g> {
             let unit = if *kind == "mesh" { "1" } else { METRE };
             output(format!("shape_{i}_size"), OutputValue::Array(sizes.clone()), &vec![unit; sizes.len()]);
         }
-        let (bodies, _) = self.drawn.as_deref().unwrap_or(self).bodies();
+        let (bodies, _) = self.with_shapes().bodies();
         for (i, body) in bodies.iter().enumerate() {
             output(format!("body_{i}"), OutputValue::Pose(body.frame), &of_pose);
             let moments = body.inertia.map_or([zero; 6], |matrix| {
@@ -69,7 +69,19 @@ impl<'g> Lagrangian<'g> {
             let units = [["kg"].as_slice(), &[METRE; 3], &["kg·m²"; 6]].concat();
             output(format!("body_{i}_inertia"), OutputValue::Array(numbers), &units);
         }
-        picture
+        Lagrangian(picture)
+    }
+
+    /// The same variables and frames with these outputs alone.
+    pub(crate) fn seen(&self, outputs: Vec<Output<'g>>) -> Lagrangian<'g> {
+        let Draft { coordinates, parameters, inputs, prescribed, frames, .. } = self.clone();
+        let empty = Draft::new(self.graph, &self.name);
+        Lagrangian(Draft { coordinates, parameters, inputs, prescribed, frames, outputs, ..empty })
+    }
+
+    /// The mechanism that has frames of shapes, too.
+    fn with_shapes(&self) -> &Self {
+        self.drawn.as_ref().map_or(self, |drawn| &drawn.0)
     }
 
     /// What shapes are made of.

@@ -13,11 +13,10 @@ use std::vec;
 
 use super::grammar::{self, File};
 use super::reader::{Parsed, Reader, Refused};
-use super::robot::is_robot;
 use super::syntax::{Declaration, Import, Name, Span, Statement, StatementKind};
 use super::{MAX_TOKENS, csv, lexer};
 use crate::diagnostic::{Code, Diagnostics};
-use crate::source::{Sources, is_table};
+use crate::source::{Sources, is_robot, is_table};
 
 // ---- the statement
 
@@ -215,6 +214,26 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
         statements.extend(own);
     }
     Some(errors.finish(statements))
+}
+
+/// The text of a mechanism with the statements of all that it imports put in place, before its own.
+pub(super) fn in_one_text(sources: &Sources) -> Result<String, Diagnostics> {
+    let text = sources.main().text.as_deref().unwrap_or_default();
+    let Declaration { imports, imported, name, statements, of_robots, .. } = declaration(sources)?;
+    let (tokens, _) = sources.tokens();
+    let behind_next = |at: usize| tokens.iter().find(|token| token.start >= at).map_or(at, |token| token.end);
+    let (mut whole, mut from) = (String::new(), 0);
+    for import in imports {
+        whole += &text[from..import.span.start];
+        let rest = &text[behind_next(import.span.end)..];
+        from = text.len() - rest.trim_start().len();
+    }
+    let brace = behind_next(name.span.end);
+    whole += &text[from..brace];
+    for statement in imported.iter().chain(&statements[..of_robots]) {
+        statement.to_string().lines().for_each(|line| whole += &format!("\n    {line}"));
+    }
+    Ok(whole + &text[brace..])
 }
 
 /// What can be read of a mechanism, or else of a file to be imported as a mechanism that has nothing of its own;

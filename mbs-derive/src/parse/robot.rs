@@ -4,18 +4,11 @@
 use crate::diagnostic::Diagnostics;
 #[cfg(feature = "import")]
 use crate::source::Sources;
-use crate::source::Unreadable;
-
-/// Whether a file is a robot: URDF, SDF or MJCF.
-pub(super) fn is_robot(name: &str) -> bool {
-    let extension = std::path::Path::new(name).extension().and_then(|extension| extension.to_str());
-    let extension = extension.map(str::to_ascii_lowercase);
-    extension.is_some_and(|extension| ["urdf", "sdf", "xml", "mjcf", "xacro"].contains(&extension.as_str()))
-}
+use crate::source::{IMPORTED, Unreadable, is_robot};
 
 /// The bytes of a file, of a robot the text of its mechanism; what has been such a text before stays as it is.
 pub(super) fn as_text(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
-    if !is_robot(name) || bytes.starts_with(b"// Imported from ") {
+    if !is_robot(name) || bytes.starts_with(IMPORTED.as_bytes()) {
         return Ok(bytes);
     }
     text(name, bytes)

@@ -7,7 +7,7 @@ use syn::ext::IdentExt;
 use syn::{ImplItem, ImplItemFn, Item};
 
 use crate::catalogue::Trait;
-use crate::optimise::{Argument, Derivation, Function, FunctionKind};
+use crate::optimise::{Argument, Derivation, Derived, Function, FunctionKind};
 use crate::shape::Shape;
 use crate::variable::{Variable, component_names, count};
 
@@ -385,7 +385,7 @@ impl Frame<'_> {
 
     /// The types and names of `Dynamics`.
     fn names(&self) -> TokenStream {
-        let Derivation { name, coordinates, inputs, prescribed, .. } = self.derivation;
+        let Derived { name, coordinates, inputs, prescribed, .. } = &**self.derivation;
         let [coordinates, inputs] = [coordinates, inputs].map(|variables| component_names(variables));
         let [n, u, signals] = [coordinates.len(), inputs.len(), count(prescribed)].map(Literal::usize_unsuffixed);
         let time = if prescribed.is_empty() { quote!(T) } else { quote!((T, [[T; 3]; #signals])) };

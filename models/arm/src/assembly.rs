@@ -2,6 +2,7 @@
 //!
 //! - [`contact`]: peg and hole in the vertical plane of their errors, and the forces between them;
 //! - [`cell`]: the generated dynamics of [`scara`](mbs_models::scara), the wrist that carries the peg, the control;
+//! - [`insertion`]: a peg on its way from the feeder into the hole, and why it ends;
 //! - [`whitney`]: quasi-static insertion in closed form, jamming and wedging.
 //!
 //! In the plane x is to the right and z is up; angles turn z towards x, so that what leans by `θ > 0` has its upper end
@@ -14,7 +15,9 @@
 
 pub mod cell;
 pub mod contact;
+pub mod insertion;
 pub mod whitney;
 
 pub use cell::{Cell, Impedance, Wanted, Wrist};
 pub use contact::{Contact, Forces, Hole, Peg, PegMotion};
+pub use insertion::{Insertion, Outcome, Sample, Task};

@@ -260,7 +260,7 @@ impl Arm {
         if smallest > SINGULAR * largest {
             Ok(factors)
         } else {
-            Err(Failure::Singular { of: "the arm", smallest, largest }.into())
+            Err(Failure::Singular { of: "the arm", smallest, largest, unit: "in m and rad" }.into())
         }
     }
 

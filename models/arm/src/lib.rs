@@ -10,7 +10,7 @@
 //! | 8.3               | [`elastic`]: joints and gears that give way; [`assistive`]: an arm that carries a person's     |
 //! | 3.5, 3.6, table 2 | [`trajectory`]: motions from one posture to another, and along paths                              |
 //! | 8.3               | [`assembly`]: a SCARA that puts a peg into a hole                                             |
-//! | 8.3               | [`inertial`]: the numbers that forces are linear in, for adaptive control                     |
+//! | 8.3               | [`inertial`]: the numbers that forces are linear in; [`adaptive`]: control that learns them   |
 //!
 //! Angles are those of Denavit and Hartenberg \[rad\], as in the thesis' tables: the second is the robot's own angle
 //! minus 90°. Positions are in m, axes those of the base, z up.
@@ -36,6 +36,7 @@
 #[cfg(feature = "std")]
 extern crate std;
 
+pub mod adaptive;
 pub mod assembly;
 pub mod assistive;
 pub mod control;

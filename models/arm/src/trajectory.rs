@@ -10,6 +10,7 @@
 //! | [`time_optimal::retime`] | the fastest motion along a path | limits of speed, acceleration and torque |
 //! | `minimum_effort` (feature `std`) | least `∫ Σ (τ/τ_max)² dt` between two states, by direct collocation | limits of angle, speed and torque |
 //! | [`cartesian`] | the flange along a straight line | one branch of the inverse kinematics |
+//! | [`ThereAndBack`], [`Sines`] | the way back; sums of sines, which show a model's numbers | |
 //! | [`AlongPath`] | along a path by a law of time | |
 //!
 //! The first five rows are [`Piecewise`] polynomials: [`Motion::at`] evaluates q, q̇ and q̈, and extrema are found
@@ -36,6 +37,7 @@ mod piecewise;
 mod polynomial;
 mod quartic;
 mod quintic;
+mod sines;
 mod trapezoidal;
 mod via;
 
@@ -54,6 +56,7 @@ pub use path::{AlongPath, JointPath, PathPoint, StraightPath};
 pub use piecewise::{Extrema, Extremum, Piecewise};
 pub use quartic::{quartic, two_piece_quartic};
 pub use quintic::{quintic, quintic_between};
+pub use sines::{Sines, ThereAndBack};
 pub use trapezoidal::{trapezoidal, trapezoidal_within};
 pub use via::{Knot, through};
 

@@ -9,7 +9,7 @@
 //! | (5.8), (5.12)         | [`small_angle`]: the plant for small angles, corrected                              |
 //! | (5.9)                 | [`heave`]: the platform's elevation; [`deck`]: it, and decks that move in six degrees of freedom |
 //! | (5.10), (5.11)        | [`flatness`]: the attitude that an acceleration asks for                            |
-//! | control law           | [`backstepping`]; for comparison [`lqr`]; [`rotors`]: speeds for generalized forces    |
+//! | control law           | [`backstepping`]; for comparison [`lqr`]; [`adaptive`]: of a vehicle that nobody knows; [`rotors`]: speeds for generalized forces    |
 //! | cases I and II        | [`approach`]: guidance; [`landing`]: simulation up to the [`touchdown`]; [`sampled`]: by a sampled controller; [`estimated`]: on what sensors say; [`driven`]: on the Stewart platform under control |
 //! | 8.3, predictive control | `predictive`, with the feature of that name: landings that are planned anew while flying |
 //! | ground effect         | [`ground_effect`], an option of the landing                                         |
@@ -21,6 +21,7 @@
 //! # Source
 //! Doctoral thesis *Dynamics of multibody systems in a gravitational field*, chapter 5.
 
+pub mod adaptive;
 pub mod approach;
 pub mod backstepping;
 pub mod deck;

@@ -61,7 +61,7 @@ pub enum Failure {
     #[error("there is no {0}")]
     Missing(&'static str),
     /// A Jacobian loses motions, or nearly.
-    #[error("{of} is singular: singular values from {largest} down to {smallest:e}")]
+    #[error("{of} is singular: singular values from {largest} down to {smallest:e}, {unit}")]
     Singular {
         /// What cannot be solved there.
         of: &'static str,
@@ -69,23 +69,27 @@ pub enum Failure {
         smallest: f64,
         /// The largest one.
         largest: f64,
+        /// What they are in, or relative to.
+        unit: &'static str,
     },
     /// A search was given up.
-    #[error("{what} does not converge: {residual:e} is left after {iterations} iterations")]
+    #[error("{what} does not converge: {residual:e} {unit} is left after {iterations} iterations")]
     NotConverged {
         /// What was searched, or solved.
         what: &'static str,
         /// How often it was tried.
         iterations: usize,
-        /// What is left, in the unit of what was to become zero.
+        /// What is left of what was to become zero.
         residual: f64,
+        /// Its unit, or what it is relative to.
+        unit: &'static str,
     },
     /// A limit cannot be kept together with the others.
-    #[error("no motion keeps all limits: {limit} is off by {excess}")]
+    #[error("no motion keeps all limits: {limit} is off by {excess} in SI units")]
     Infeasible {
         /// The one that the best motion breaks most.
         limit: &'static str,
-        /// By how much, in its unit.
+        /// By how much, in the SI unit of the limit: m, m/s, rad.
         excess: f64,
     },
     /// A joint, an axis or a leg goes beyond a limit.

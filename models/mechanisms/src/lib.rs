@@ -2,7 +2,8 @@
 //!
 //! A new mechanism is one new file there. [`SOURCES`] lists the declarations; [`for_each_mechanism!`] hands every
 //! mechanism to a macro, which is how the property tests reach all of them. Those in folders are apart: no snapshot is
-//! kept of their code. What systems need around their dynamics is in crates of their own: `mbs-arm`, `mbs-platform`,
+//! kept of their code. `tables/` holds what several of them have in common, which they import; in [`SOURCES`] it stands
+//! in their texts. What systems need around their dynamics is in crates of their own: `mbs-arm`, `mbs-platform`,
 //! `mbs-landing`, `mbs-orbit`.
 #![no_std]
 

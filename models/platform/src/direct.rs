@@ -100,7 +100,8 @@ impl Newton {
         // What is NaN is not closed, and nothing is nearer.
         let is_closed = |excess: &Excess| excess.largest <= tolerance;
 
-        let given_up = |what, iterations, residual| Error::from(Failure::NotConverged { what, iterations, residual });
+        let given_up =
+            |what, iterations, residual| Error::from(Failure::NotConverged { what, iterations, residual, unit: "m" });
 
         let mut place = Place { position: [start[0], start[1], start[2]], rotation: attitude(start) };
         let mut now = excess(&place);

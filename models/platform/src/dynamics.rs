@@ -97,7 +97,7 @@ impl Platform {
         self.legs(q)?;
         let [smallest, largest] = extreme_angular_rates(q);
         if smallest * smallest <= SINGULAR * (largest * largest) {
-            return Err(Failure::Singular { of: "the attitude", smallest, largest }.into());
+            return Err(Failure::Singular { of: "the attitude", smallest, largest, unit: "plain numbers" }.into());
         }
         let accelerations = self.model().forward_dynamics(q, qd, forces);
         if all_finite(&[&accelerations]) { Ok(accelerations) } else { Err(NOT_FINITE.into()) }

@@ -158,7 +158,7 @@ fn solved_by(a: &Matrix6<f64>, b: &[f64; 6]) -> Result<[f64; 6], Error> {
                 Err(NOT_FINITE.into())
             }
         }
-        _ => Err(Failure::Singular { of: "the pose", smallest, largest }.into()),
+        _ => Err(Failure::Singular { of: "the pose", smallest, largest, unit: "in m and rad" }.into()),
     }
 }
 

@@ -170,6 +170,34 @@ impl<T: Scalar> LegState<T> {
     }
 }
 
+/// A value, the leg that has it, counted from 1, and when \[s\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extreme {
+    /// In its unit.
+    pub value: f64,
+    /// Counted from 1; 0 of no leg.
+    pub leg: usize,
+    /// When \[s\].
+    pub time: f64,
+}
+
+/// The least and the greatest value of any leg over samples with their times \[s\], each where it is first met.
+pub fn extremes(samples: impl Iterator<Item = (f64, LegVector)>) -> [Extreme; 2] {
+    let mut found = [f64::INFINITY, f64::NEG_INFINITY].map(|value| Extreme { value, leg: 0, time: 0.0 });
+    for (time, legs) in samples {
+        for (leg, value) in legs.into_iter().enumerate() {
+            let here = Extreme { value, leg: leg + 1, time };
+            if value < found[0].value {
+                found[0] = here;
+            }
+            if value > found[1].value {
+                found[1] = here;
+            }
+        }
+    }
+    found
+}
+
 /// Where a motion exceeds one limit of one leg.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Excess {

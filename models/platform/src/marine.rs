@@ -9,6 +9,7 @@
 //! | thrusters and who commands them                          | [`thrusters`], [`control`]                |
 //! | the motion                                               | [`simulation`]                            |
 //! | a deck that moves as was computed                        | [`recorded`]                              |
+//! | means, amplitudes and periods of a record                | [`statistics`]                            |
 //!
 //! Coordinates are `q = (z, φ, θ, ψ)`: heave of the mass centre from rest \[m\] and the angles of `R = Rz(ψ) Ry(θ)
 //! Rx(φ)` \[rad\]; the mooring holds surge and sway. Axes: x ahead, y to the left, z up.
@@ -23,6 +24,7 @@ pub mod recorded;
 pub mod sea;
 pub mod simulation;
 pub mod spectrum;
+pub mod statistics;
 pub mod thrusters;
 pub mod wind;
 

@@ -37,6 +37,8 @@ pub enum Output {
     TotalPower,
 }
 
+/// How many outputs there are.
+pub const OUTPUTS: usize = 25;
 const OUTPUT_NAMES: [[&str; 6]; 4] = [
     ["length_1", "length_2", "length_3", "length_4", "length_5", "length_6"],
     ["speed_1", "speed_2", "speed_3", "speed_4", "speed_5", "speed_6"],
@@ -305,6 +307,44 @@ impl Platform {
         let legs = dual_legs(&params, &moving.at(t))?;
         let slopes = [legs.length, legs.rate, legs.force].map(|row| row.map(|x| x.derivative));
         if all_finite(&[slopes.as_flattened()]) { Ok(legs) } else { Err(NOT_FINITE.into()) }
+    }
+
+    /// The greatest derivative of every output by a parameter at these times \[s\], in the order of [`Output::all`].
+    ///
+    /// # Errors
+    /// As [`leg_forces`](Self::leg_forces).
+    pub fn largest_derivatives(
+        &self,
+        parameter: Parameter,
+        motion: &Motion,
+        times: impl Iterator<Item = f64>,
+    ) -> Result<[Largest; OUTPUTS], Error> {
+        let mut largest = [Largest::default(); OUTPUTS];
+        for t in times {
+            let legs = self.leg_state_by(parameter, motion, t)?;
+            for (largest, output) in largest.iter_mut().zip(Output::all()) {
+                largest.take_in(output.of(&legs).derivative, t);
+            }
+        }
+        Ok(largest)
+    }
+}
+
+/// The derivative of greatest magnitude, and when \[s\].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Largest {
+    /// With its sign.
+    pub value: f64,
+    /// The first time at which it is so large \[s\].
+    pub time: f64,
+}
+
+impl Largest {
+    /// Takes in the derivative at a time \[s\].
+    pub fn take_in(&mut self, value: f64, time: f64) {
+        if value.abs() > self.value.abs() {
+            *self = Self { value, time };
+        }
     }
 }
 

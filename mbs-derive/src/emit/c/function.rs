@@ -80,8 +80,8 @@ impl Header<'_> {
         };
         let after = match &routine.ending {
             Ending::Values => returned(&routine.values, signature),
-            Ending::Solve => self.solved(&routine.values, &signature.outputs),
-            Ending::Motion => self.constrained(&routine.values),
+            Ending::Solve => self.solved(routine, &signature.outputs),
+            Ending::Motion => self.constrained(routine),
             Ending::OfMotion(_) => String::new(),
             Ending::Slopes(sizes) => self.constrained_slopes(routine, sizes, signature),
         };
@@ -111,11 +111,11 @@ fn unused(arguments: &[Argued]) -> String {
 }
 
 /// What a function returns or writes.
-fn returned(values: &[String], signature: &Signature) -> String {
+fn returned(values: &[Vec<String>], signature: &Signature) -> String {
     if signature.returns {
-        return format!("    return {};\n", values[0]);
+        return format!("    return {};\n", values[0][0]);
     }
-    let mut values = values.iter();
+    let mut values = values.iter().flatten();
     signature.outputs.iter().map(|(name, count)| assigned(name, values.by_ref().take(*count))).collect()
 }
 

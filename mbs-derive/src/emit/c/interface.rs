@@ -109,7 +109,7 @@ impl Sides {
             name += "_";
         }
         let first = variable::count(&derivation.inputs);
-        told.inputs.push(Variable {
+        told.altered().inputs.push(Variable {
             name,
             docs: vec!["Which side of each comparison is less: negative, if it is the left one.".to_string()],
             unit: "1".to_string(),
@@ -120,7 +120,7 @@ impl Sides {
             declared_unit: None,
             positive: false,
         });
-        for function in told.functions.iter_mut().filter(|function| function.kind == FunctionKind::ForwardDynamics) {
+        for function in told.altered().functions.iter_mut().filter(|f| f.kind == FunctionKind::ForwardDynamics) {
             function.program = self.replaced(&function.program, first);
         }
         told

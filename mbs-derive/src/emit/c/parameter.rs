@@ -4,7 +4,6 @@ use std::fmt::Write;
 
 use crate::model::requirement::Condition;
 
-use super::super::body::Component;
 use super::super::doc;
 use super::super::walk::{Syntax, block_comment, defaults};
 use super::name::identifier;
@@ -83,14 +82,10 @@ impl Header<'_> {
 
     /// The conditions on expressions of parameters.
     fn required(&self) -> String {
-        let program = &self.derivation.required;
-        let components: Vec<Component> =
-            (0..program.results.len()).map(|k| Component::Result(k, String::new())).collect();
-        if components.is_empty() {
+        let (lines, values) = self.walk.required(&self.in_constructor());
+        if values.is_empty() {
             return String::new();
         }
-        let scope = self.walk.names.constructor_scope();
-        let (lines, values) = self.walk.evaluated(program, &components, scope, &self.in_constructor());
         let mut text = String::from("    if (error) {\n        return error;\n    }\n");
         text += &inside(&lines);
         for (number, (requirement, values)) in self.derivation.conditions(&values).enumerate() {

@@ -8,16 +8,14 @@ use super::{Header, assigned, head};
 
 impl Header<'_> {
     /// `M⁻¹` of the right sides.
-    pub(super) fn solved(&self, values: &[String], outputs: &[(String, usize)]) -> String {
+    pub(super) fn solved(&self, routine: &Routine, outputs: &[(String, usize)]) -> String {
         let n = self.derivation.dof();
-        let (masses, mut rest) = values.split_at(n * n);
         let mut text = format!("    mbs_real mass_matrix[{}], reciprocals[{n}];\n", n * n);
-        text += &assigned("mass_matrix", masses.iter());
+        text += &assigned("mass_matrix", routine.mass_matrix.iter());
         let _ = writeln!(text, "    mbs_ldlt({n}, mass_matrix, reciprocals);");
+        let mut right_sides = routine.values.iter().flatten();
         for (name, count) in outputs {
-            let (right_side, after) = rest.split_at(*count);
-            rest = after;
-            text += &assigned(name, right_side.iter());
+            text += &assigned(name, right_sides.by_ref().take(*count));
             let columns = count / n;
             let _ = writeln!(text, "    mbs_ldlt_solve({n}, {columns}, mass_matrix, reciprocals, {name});");
         }
@@ -43,14 +41,11 @@ impl Header<'_> {
     }
 
     /// Accelerations and multipliers.
-    pub(super) fn constrained(&self, values: &[String]) -> String {
-        let (prefix, n, k) = (&self.prefix, self.derivation.dof(), self.derivation.constraints.len());
-        let mut text = String::new();
-        let lengths = [("mbs_m", n * n), ("mbs_a", k * n), ("mbs_force", n), ("mbs_target", k)];
-        let mut values = values.iter();
-        for (name, count) in lengths {
-            text += &initialized(name, values.by_ref().take(count));
-        }
+    pub(super) fn constrained(&self, routine: &Routine) -> String {
+        let (prefix, [force, target]) = (&self.prefix, [&routine.values[0], &routine.values[1]]);
+        let (masses, jacobian) = (&routine.mass_matrix, &routine.jacobian);
+        let arrays = [("mbs_m", masses), ("mbs_a", jacobian), ("mbs_force", force), ("mbs_target", target)];
+        let mut text: String = arrays.into_iter().map(|(name, values)| initialized(name, values)).collect();
         let call = "mbs_m, mbs_a, 1, mbs_force, mbs_target, 0, 0, accelerations, forces";
         let _ = writeln!(text, "    {prefix}_constrained_solution({call});");
         text
@@ -59,27 +54,13 @@ impl Header<'_> {
     /// The columns of all parts solved for at once, and taken apart.
     pub(super) fn constrained_slopes(&self, routine: &Routine, sizes: &Sizes, signature: &Signature) -> String {
         let (prefix, n, k) = (&self.prefix, self.derivation.dof(), self.derivation.constraints.len());
-        let mut text = String::new();
-        let widths: Vec<usize> = routine.parts.iter().map(|(_, shape)| shape.count() / n).collect();
+        let widths = routine.widths();
         let count: usize = widths.iter().sum();
-        let (masses, rest) = routine.values.split_at(n * n);
-        let (jacobian, mut rest) = rest.split_at(k * n);
-        let mut rows: Vec<Vec<String>> = vec![Vec::new(); n + k];
-        for &width in &widths {
-            let (part, behind) = rest.split_at((n + k) * width);
-            rows.iter_mut().enumerate().for_each(|(i, row)| row.extend_from_slice(&part[i * width..(i + 1) * width]));
-            rest = behind;
-        }
-        let (force, target) = rows.split_at(n);
-        let arrays = [
-            ("mbs_m", masses.to_vec()),
-            ("mbs_a", jacobian.to_vec()),
-            ("mbs_force", force.concat()),
-            ("mbs_target", target.concat()),
-        ];
-        for (name, values) in arrays {
-            text += &initialized(name, values.iter());
-        }
+        let rows = routine.right_sides(n + k);
+        let (force, target) = (rows[..n].concat(), rows[n..].concat());
+        let (masses, jacobian) = (&routine.mass_matrix, &routine.jacobian);
+        let arrays = [("mbs_m", masses), ("mbs_a", jacobian), ("mbs_force", &force), ("mbs_target", &target)];
+        let mut text: String = arrays.into_iter().map(|(name, values)| initialized(name, values)).collect();
         text += &self.slope_sizes(sizes, count);
         let _ = writeln!(text, "    mbs_real mbs_slopes[{}];", n * count);
         let _ = writeln!(
@@ -115,8 +96,7 @@ impl Header<'_> {
 }
 
 /// `const mbs_real name[2] = {…};`, a value a line.
-fn initialized<'a>(name: &str, values: impl Iterator<Item = &'a String>) -> String {
-    let values: Vec<&String> = values.collect();
+fn initialized(name: &str, values: &[String]) -> String {
     let lines: String = values.iter().map(|value| format!("        {value},\n")).collect();
     format!("    const mbs_real {name}[{}] = {{\n{lines}    }};\n", values.len())
 }

@@ -55,7 +55,7 @@ impl Syntax for C<'_, '_> {
         "!"
     }
 
-    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+    fn select(&self, condition: &str, [then, otherwise]: [&str; 2], _known: bool) -> String {
         format!("{condition} ? {then} : {otherwise}")
     }
 

@@ -10,7 +10,7 @@ use super::super::walk::{
 };
 use super::super::{Identifiers, Options, doc};
 use super::list;
-use super::pieces::{needed, uses};
+use super::pieces::needed;
 
 /// What the modules share.
 pub(in crate::emit) const SHARED: &str = include_str!("prelude.mjs");
@@ -55,7 +55,7 @@ impl Syntax for Js {
         "!"
     }
 
-    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+    fn select(&self, condition: &str, [then, otherwise]: [&str; 2], _known: bool) -> String {
         format!("{condition} ? {then} : {otherwise}")
     }
 
@@ -213,8 +213,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
             lines.push(format!("return this.#{}({arguments}).{part};", plain(&walk.names.constrained_motion)));
         }
         (Motion::Constrained, _) => {
-            let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
-            let multipliers = if uses(&all, "multipliers") { ", multipliers" } else { "" };
+            let multipliers = if routine.reads_multipliers { ", multipliers" } else { "" };
             let motion = plain(&walk.names.constrained_motion);
             lines.push(format!("const {{ qdd{multipliers} }} = this.#{motion}({arguments});"));
         }
@@ -226,7 +225,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
 }
 
 fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
-    let (n, k) = (walk.derivation.dof(), walk.derivation.constraints.len());
+    let n = walk.derivation.dof();
     let flat = |values: &[String]| list(values, ["[", "]"]);
     let returned = |parts: Vec<String>| {
         let all = match parts.as_slice() {
@@ -239,10 +238,6 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
         format!("return {all};").lines().map(String::from).collect::<Vec<_>>()
     };
     let statement = |text: String| text.lines().map(String::from).collect::<Vec<_>>();
-    let width = |shape: Shape| match shape {
-        Shape::Matrix(_, columns) => columns,
-        _ => 1,
-    };
     // `part` flat.
     let in_shape = |part: String, shape: Shape| match shape {
         Shape::Matrix(rows, 0) => format!("[{}]", vec!["[]"; rows].join(", ")),
@@ -252,18 +247,15 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
     match &routine.ending {
         Ending::OfMotion(_) => Vec::new(),
         Ending::Values => {
-            let mut values = routine.values.iter().cloned();
-            returned(routine.parts.iter().map(|(_, shape)| shaped(*shape, &mut values)).collect())
+            let parts = routine.parts.iter().zip(&routine.values);
+            returned(parts.map(|((_, shape), values)| shaped(*shape, &mut values.iter().cloned())).collect())
         }
         Ending::Solve => {
-            let (masses, mut rest) = routine.values.split_at(n * n);
-            let mut lines = statement(format!("const mass_matrix = {};", flat(masses)));
+            let mut lines = statement(format!("const mass_matrix = {};", flat(&routine.mass_matrix)));
             lines.push(format!("const reciprocals = mbs_ldlt({n}, mass_matrix);"));
-            let parts = routine.parts.iter().map(|(_, shape)| {
-                let (right_side, after) = rest.split_at(shape.entries());
-                rest = after;
-                let solve =
-                    format!("mbs_ldlt_solve({n}, {}, mass_matrix, reciprocals, {})", width(*shape), flat(right_side));
+            let right_sides = routine.values.iter().zip(routine.widths());
+            let parts = routine.parts.iter().zip(right_sides).map(|((_, shape), (right_side, width))| {
+                let solve = format!("mbs_ldlt_solve({n}, {width}, mass_matrix, reciprocals, {})", flat(right_side));
                 in_shape(solve, *shape)
             });
             let parts: Vec<String> = parts.collect();
@@ -271,17 +263,15 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
             lines
         }
         Ending::Motion | Ending::Slopes(_) => {
-            let (masses, rest) = routine.values.split_at(n * n);
-            let (jacobian, right_sides) = rest.split_at(k * n);
             let mut lines = statement(format!(
                 "const system = new mbs_NullSpace({n}, [{}], {}, {});",
                 walk.vectors().join(", "),
-                flat(masses),
-                flat(jacobian)
+                flat(&routine.mass_matrix),
+                flat(&routine.jacobian)
             ));
-            lines.extend(statement(format!("const right_side = {};", flat(right_sides))));
+            lines.extend(statement(format!("const right_side = {};", flat(&routine.values.concat()))));
             if let Ending::Slopes(sizes) = &routine.ending {
-                let widths: Vec<String> = routine.parts.iter().map(|(_, shape)| width(*shape).to_string()).collect();
+                let widths: Vec<String> = routine.widths().iter().map(ToString::to_string).collect();
                 let sizes = match sizes {
                     Sizes::Parameters(all) => flat(all),
                     Sizes::State(kinds, inputs) => {

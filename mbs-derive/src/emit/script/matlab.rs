@@ -8,7 +8,7 @@ use crate::variable::component_names;
 
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, if_else, plain};
 use super::super::{Identifiers, Options, doc};
-use super::pieces::{needed, uses};
+use super::pieces::needed;
 
 /// What the files share.
 pub(in crate::emit) const SHARED: &str = concat!(include_str!("prelude.m"), "\n\n", include_str!("constrained.m"));
@@ -90,7 +90,7 @@ impl Syntax for Matlab {
         "~"
     }
 
-    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+    fn select(&self, condition: &str, [then, otherwise]: [&str; 2], _known: bool) -> String {
         format!("mbs_choose({condition}, {then}, {otherwise})")
     }
 
@@ -271,8 +271,7 @@ fn function(walk: &Walk<'_>, routine: &Routine) -> String {
         (Motion::Constrained, Ending::OfMotion("qdd")) => lines.push(format!("result = {}({given});", motion())),
         (Motion::Constrained, Ending::OfMotion(_)) => lines.push(format!("[~, result] = {}({given});", motion())),
         (Motion::Constrained, _) => {
-            let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
-            let taken = if uses(&all, "multipliers") { "[qdd, multipliers]" } else { "qdd" };
+            let taken = if routine.reads_multipliers { "[qdd, multipliers]" } else { "qdd" };
             lines.push(format!("{taken} = {}({given});", motion()));
         }
     }
@@ -328,52 +327,37 @@ fn assigned(name: &str, shape: Shape, values: &[String]) -> Vec<String> {
 
 fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String> {
     let (n, k) = (walk.derivation.dof(), walk.derivation.constraints.len());
-    let width = |shape: Shape| match shape {
-        Shape::Matrix(_, columns) => columns,
-        _ => 1,
-    };
-    let parts = || routine.parts.iter().map(|(_, shape)| *shape).zip(results);
+    let parts = || routine.parts.iter().map(|(_, shape)| *shape).zip(&routine.values).zip(results);
     let mut lines = Vec::new();
     match &routine.ending {
         Ending::OfMotion(_) => {}
         Ending::Values => {
-            let mut values = routine.values.as_slice();
-            for (shape, name) in parts() {
-                let (own, rest) = values.split_at(shape.entries());
-                values = rest;
+            for ((shape, own), name) in parts() {
                 lines.extend(assigned(name, shape, own));
             }
         }
         Ending::Solve => {
-            let (masses, mut rest) = routine.values.split_at(n * n);
-            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), masses));
+            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), &routine.mass_matrix));
             lines.push("[factors, reciprocals] = mbs_ldlt(mass_matrix);".to_string());
-            for (shape, name) in parts() {
-                let (own, after) = rest.split_at(shape.entries());
-                rest = after;
+            for ((shape, own), name) in parts() {
                 lines.extend(assigned(name, shape, own));
                 lines.push(format!("{name} = mbs_ldlt_solve(factors, reciprocals, {name});"));
             }
         }
         Ending::Motion | Ending::Slopes(_) => {
-            let (masses, rest) = routine.values.split_at(n * n);
-            let (jacobian, mut rest) = rest.split_at(k * n);
-            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), masses));
-            lines.extend(assigned("jacobian", Shape::Matrix(k, n), jacobian));
+            lines.extend(assigned("mass_matrix", Shape::Matrix(n, n), &routine.mass_matrix));
+            lines.extend(assigned("jacobian", Shape::Matrix(k, n), &routine.jacobian));
             let vectors = walk.vectors().join(", ");
             lines.push(format!("system = mbs_null_space([{vectors}], mass_matrix, jacobian);"));
             let Ending::Slopes(sizes) = &routine.ending else {
-                lines.extend(assigned("right_side", Shape::Vector(n + k), rest));
+                lines.extend(assigned("right_side", Shape::Vector(n + k), &routine.values.concat()));
                 lines.push("motion = mbs_solve(system, right_side, [], []);".to_string());
                 lines.push(format!("qdd = motion(1:{n});\nmultipliers = motion({}:{});", n + 1, n + k));
                 return lines;
             };
-            let mut names = Vec::new();
-            for (shape, name) in parts() {
-                let (own, after) = rest.split_at((n + k) * width(shape));
-                rest = after;
-                lines.extend(assigned(name, Shape::Matrix(n + k, width(shape)), own));
-                names.push(name.clone());
+            let widths = routine.widths();
+            for (((_, own), name), width) in parts().zip(&widths) {
+                lines.extend(assigned(name, Shape::Matrix(n + k, *width), own));
             }
             match sizes {
                 Sizes::Parameters(all) => lines.extend(assigned("sizes", Shape::Vector(all.len()), all)),
@@ -382,11 +366,11 @@ fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String>
                     lines.push(format!("sizes = mbs_state_sizes(q, qd, [{}], {inputs});", kinds.join(", ")));
                 }
             }
-            lines.push(format!("parts = mbs_solve(system, [{}], qdd, sizes);", names.join(", ")));
+            lines.push(format!("parts = mbs_solve(system, [{}], qdd, sizes);", results.join(", ")));
             let mut first = 1;
-            for (shape, name) in parts() {
-                lines.push(format!("{name} = parts(1:{n}, {first}:{});", first + width(shape) - 1));
-                first += width(shape);
+            for (name, width) in results.iter().zip(&widths) {
+                lines.push(format!("{name} = parts(1:{n}, {first}:{});", first + width - 1));
+                first += width;
             }
         }
     }

@@ -110,7 +110,7 @@ impl Syntax for Python {
         "~"
     }
 
-    fn select(&self, condition: &str, then: &str, otherwise: &str) -> String {
+    fn select(&self, condition: &str, [then, otherwise]: [&str; 2], _known: bool) -> String {
         format!("np.where({condition}, {then}, {otherwise})")
     }
 
@@ -141,7 +141,7 @@ impl Syntax for Python {
     /// A batch may go both ways.
     fn branch(&self, names: &[String], condition: &str, [then, otherwise]: [Side; 2]) -> Vec<String> {
         let values = names.iter().zip(then.values.iter().zip(&otherwise.values));
-        let chosen = values.map(|(name, (a, b))| self.bind(name, &self.select(condition, a, b)));
+        let chosen = values.map(|(name, (a, b))| self.bind(name, &self.select(condition, [a, b], true)));
         let chosen: Vec<String> = chosen.collect();
         then.lines.into_iter().chain(otherwise.lines).chain(chosen).collect()
     }
@@ -300,8 +300,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
             lines.extend([batch, format!("qdd = self.{}({arguments})", member(&walk.forward_dynamics()))]);
         }
         (Motion::Constrained, _) => {
-            let all = [&routine.lines[..], &routine.values[..]].concat().join("\n");
-            let multipliers = if uses(&all, "multipliers") { "multipliers" } else { "_" };
+            let multipliers = if routine.reads_multipliers { "multipliers" } else { "_" };
             lines.extend([batch, format!("qdd, {multipliers} = self._{}({arguments})", constrained_motion())]);
         }
     }
@@ -342,7 +341,7 @@ fn returned(routine: &Routine) -> String {
 }
 
 fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
-    let (n, k) = (walk.derivation.dof(), walk.derivation.constraints.len());
+    let n = walk.derivation.dof();
     let filled = |of: Shape, values: &str| {
         let (fill, axes) = shape(of);
         let number = if of == Shape::Scalar { "[()]" } else { "" };
@@ -357,34 +356,19 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
     };
     let statement = |text: String| text.lines().map(String::from).collect::<Vec<_>>();
     let brackets = |values: &[String]| list(values, ["[", "]"]);
-    let widths: Vec<usize> = routine
-        .parts
-        .iter()
-        .map(|(_, shape)| match shape {
-            Shape::Matrix(_, columns) => *columns,
-            _ => 1,
-        })
-        .collect();
+    let widths = routine.widths();
     match &routine.ending {
         Ending::OfMotion(_) => Vec::new(),
         Ending::Values => {
-            let mut values = routine.values.as_slice();
-            let parts = routine.parts.iter().map(|(_, shape)| {
-                let (own, rest) = values.split_at(shape.entries());
-                values = rest;
-                filled(*shape, &brackets(own))
-            });
-            let parts = parts.collect();
-            returned(parts)
+            let parts = routine.parts.iter().zip(&routine.values);
+            returned(parts.map(|((_, shape), values)| filled(*shape, &brackets(values))).collect())
         }
         Ending::Solve => {
-            let (masses, mut rest) = routine.values.split_at(n * n);
-            let rows: Vec<String> = masses.chunks(n).map(brackets).collect();
+            let rows: Vec<String> = routine.mass_matrix.chunks(n).map(brackets).collect();
             let mut lines = statement(format!("mass_matrix = {}", brackets(&rows)));
             lines.push(format!("reciprocals = mbs_ldlt({n}, mass_matrix)"));
-            let parts = routine.parts.iter().zip(&widths).map(|((_, shape), width)| {
-                let (own, after) = rest.split_at(shape.entries());
-                rest = after;
+            let right_sides = routine.values.iter().zip(&widths);
+            let parts = routine.parts.iter().zip(right_sides).map(|((_, shape), (own, width))| {
                 filled(*shape, &format!("mbs_ldlt_solve({n}, {width}, mass_matrix, reciprocals, {})", brackets(own)))
             });
             let parts = parts.collect();
@@ -393,11 +377,9 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
         }
         Ending::Motion | Ending::Slopes(_) => {
             let vectors = format!("[{}]", walk.vectors().join(", "));
-            let mut lines = statement(format!(
-                "values = mbs_filled(batch, ({},), {})",
-                routine.values.len(),
-                brackets(&routine.values)
-            ));
+            let values = [&routine.mass_matrix[..], &routine.jacobian, &routine.values.concat()].concat();
+            let mut lines =
+                statement(format!("values = mbs_filled(batch, ({},), {})", values.len(), brackets(&values)));
             if let Ending::Slopes(sizes) = &routine.ending {
                 let columns: usize = widths.iter().sum();
                 lines.extend(statement(match sizes {
@@ -417,7 +399,6 @@ fn ending(walk: &Walk<'_>, routine: &Routine) -> Vec<String> {
                     starts.zip(&widths).map(|(first, width)| format!("solved[..., :{n}, {first}:{}]", first + width));
                 lines.extend(returned(parts.collect()));
             } else {
-                debug_assert_eq!(routine.values.len(), n * n + k * n + n + k, "M, A, f and c");
                 lines.push(format!("solved = mbs_constrained({n}, {vectors}, values, [1], None, None)[..., 0]"));
                 lines.push(format!("return solved[..., :{n}], solved[..., {n}:]"));
             }

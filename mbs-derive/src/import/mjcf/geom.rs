@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use roxmltree::Node;
 
+use super::super::identifier::shown;
 use super::super::pose::{Pose, from_z, norm, turned_inertia};
 use super::super::robot::{Body, Form, Inertial, Shape};
 use super::super::xml::{place, tag};
@@ -65,7 +66,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
             "capsule" => Some(Form::Capsule(size[0], 2.0 * size[1])),
             "cylinder" => Some(Form::Cylinder(size[0], 2.0 * size[1])),
             "box" => Some(Form::Box(size.map(|half| 2.0 * half))),
-            "mesh" => self.mesh(holder("mesh")),
+            "mesh" => self.mesh(holder("mesh"), &body.name),
             "ellipsoid" | "plane" | "hfield" | "sdf" => None,
             _ => {
                 let message = format!("a geom of the body `{}` is of an unknown kind, `{kind}`", body.name);
@@ -117,8 +118,13 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     /// The file of a mesh, from the folder of the model.
-    fn mesh(&self, geom: Node<'a, 'i>) -> Option<Form> {
-        let mesh = self.settings.meshes.get(geom.attribute("mesh")?)?;
+    fn mesh(&mut self, geom: Node<'a, 'i>, body: &str) -> Option<Form> {
+        let name = geom.attribute("mesh")?;
+        let Some(mesh) = self.settings.meshes.get(name) else {
+            let message = format!("the mesh `{}` of the body `{body}` is not drawn", shown(name));
+            self.reader.warn(place(geom, "mesh"), message, "no `mesh` of the assets has this name");
+            return None;
+        };
         let file = mesh.attribute("file")?;
         let path = match self.settings.mesh_folder.as_str() {
             "" => file.to_string(),

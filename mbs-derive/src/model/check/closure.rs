@@ -2,7 +2,7 @@
 
 use crate::expr::{Dual, Expr, Symbol, Tape};
 use crate::model::check::sample::default_parameters;
-use crate::model::lagrangian::{ConstraintKind, Lagrangian};
+use crate::model::lagrangian::{ConstraintKind, Draft};
 use crate::numeric::Random;
 use crate::state::State;
 
@@ -11,7 +11,7 @@ const STARTS: usize = 48;
 const STEPS: usize = 80;
 
 /// Whether the method of Levenberg and Marquardt gets from one of some random states to where all rows vanish.
-pub(in crate::model) fn closes(lagrangian: &Lagrangian<'_>) -> bool {
+pub(in crate::model) fn closes(lagrangian: &Draft<'_>) -> bool {
     let holonomic = lagrangian.constraints.iter().filter(|c| c.kind == ConstraintKind::Holonomic);
     let rows: Vec<Expr<'_>> = holonomic.flat_map(|c| c.rows.clone()).collect();
     let search = Search { tape: Tape::new(&rows), parameters: default_parameters(lagrangian) };

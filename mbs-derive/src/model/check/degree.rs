@@ -19,7 +19,7 @@ use crate::model::check::rank::VelocityEquations;
 use crate::model::check::sample::default_parameters;
 use crate::model::check::velocity;
 use crate::model::frame::Edge;
-use crate::model::lagrangian::{Constraint, Lagrangian};
+use crate::model::lagrangian::{Constraint, Draft};
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl Problem {
     }
 
     /// In words, with the coordinates' names; lower case, no full stop.
-    pub(crate) fn message(&self, lagrangian: &Lagrangian<'_>) -> String {
+    pub(crate) fn message(&self, lagrangian: &Draft<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);
         match self {
             Problem::KineticNotQuadratic(_) => "kinetic energy must be quadratic in the velocities".to_string(),
@@ -94,7 +94,7 @@ impl Problem {
     }
 
     /// What to write instead.
-    pub(crate) fn help(&self, lagrangian: &Lagrangian<'_>) -> String {
+    pub(crate) fn help(&self, lagrangian: &Draft<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);
         match self {
             Problem::KineticNotQuadratic(_) => {
@@ -168,7 +168,7 @@ impl fmt::Display for Malformed {
 
 impl std::error::Error for Malformed {}
 
-impl Lagrangian<'_> {
+impl Draft<'_> {
     /// Checks what `derive` relies on; the language does so by itself.
     ///
     /// # Errors
@@ -181,7 +181,7 @@ impl Lagrangian<'_> {
 }
 
 /// All problems, found at up to eight states where the energies are finite.
-pub(crate) fn problems(lagrangian: &Lagrangian<'_>) -> Vec<Problem> {
+pub(crate) fn problems(lagrangian: &Draft<'_>) -> Vec<Problem> {
     let energies = Energies::new(lagrangian);
     let mut random = Random::new(0x6465_6772_6565);
     let states: Vec<Line> = (0..400)
@@ -217,7 +217,7 @@ pub(in crate::model) struct Line {
 }
 
 impl Line {
-    fn random(lagrangian: &Lagrangian<'_>, random: &mut Random) -> Self {
+    fn random(lagrangian: &Draft<'_>, random: &mut Random) -> Self {
         let n = lagrangian.dof();
         let defaults = lagrangian.parameters.iter().flat_map(|p| &p.defaults);
         Line {
@@ -278,7 +278,7 @@ impl Line {
 }
 
 /// The terms of T, L and V that are not of their degree in the velocities.
-fn degrees(lagrangian: &Lagrangian<'_>, lines: &[Line]) -> Vec<Problem> {
+fn degrees(lagrangian: &Draft<'_>, lines: &[Line]) -> Vec<Problem> {
     let beyond = |degree: usize, terms: &[Expr<'_>], problem: fn(usize) -> Problem| {
         let tape = Tape::new(terms);
         let seems = |term: usize| lines.iter().any(|line| seems_beyond(degree, &tape, term, line));
@@ -311,7 +311,7 @@ struct Energies {
 }
 
 impl Energies {
-    fn new<'g>(lagrangian: &Lagrangian<'g>) -> Self {
+    fn new<'g>(lagrangian: &Draft<'g>) -> Self {
         let sum = |terms: &[Expr<'g>]| terms.iter().fold(lagrangian.graph.integer(0), |sum, &term| sum + term);
         let motion = sum(&lagrangian.kinetic) + sum(&lagrangian.lagrangian);
         let total = motion - sum(&lagrangian.potential);

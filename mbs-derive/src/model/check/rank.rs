@@ -4,7 +4,7 @@ use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value};
 
 use crate::model::check::degree::{Line, Problem, seems_beyond};
 use crate::model::check::velocity;
-use crate::model::lagrangian::{ConstraintKind, Lagrangian};
+use crate::model::lagrangian::{ConstraintKind, Draft};
 use crate::numeric::echelon::Echelon;
 
 /// `A q̇ + b = 0`, the rows of all constraints.
@@ -21,7 +21,7 @@ const DOUBTFUL: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
 
 impl VelocityEquations {
-    pub(in crate::model) fn new(lagrangian: &Lagrangian<'_>) -> Self {
+    pub(in crate::model) fn new(lagrangian: &Draft<'_>) -> Self {
         let all =
             || lagrangian.constraints.iter().enumerate().flat_map(|(i, c)| (0..c.rows.len()).map(move |k| (i, k)));
         let rows: Vec<Expr<'_>> = all().map(|(i, k)| lagrangian.constraints[i].rows[k]).collect();
@@ -72,7 +72,7 @@ impl VelocityEquations {
     }
 
     /// The constraints that are not linear in the velocities.
-    pub(in crate::model) fn degrees(&self, lagrangian: &Lagrangian<'_>, lines: &[Line]) -> Vec<Problem> {
+    pub(in crate::model) fn degrees(&self, lagrangian: &Draft<'_>, lines: &[Line]) -> Vec<Problem> {
         let bent = |(number, constraint): (usize, &crate::model::Constraint<'_>)| {
             let first = self.owners.iter().position(|owner| *owner == (number, 0)).unwrap_or(0);
             let seems = |row: usize| lines.iter().any(|line| seems_beyond(1, &self.rows, first + row, line));
@@ -84,7 +84,7 @@ impl VelocityEquations {
     }
 
     /// Rows that say nothing: what others determine, and what has no gradient where it holds.
-    pub(in crate::model) fn problems(&self, lagrangian: &Lagrangian<'_>, lines: &[Line]) -> Vec<Problem> {
+    pub(in crate::model) fn problems(&self, lagrangian: &Draft<'_>, lines: &[Line]) -> Vec<Problem> {
         let degenerate = lagrangian.constraints.iter().enumerate().filter(|(_, constraint)| {
             let is_degenerate = |row: &Expr<'_>| is_root(*row) || has_multiple_zero(*row, lines);
             constraint.kind == ConstraintKind::Holonomic && constraint.rows.iter().any(is_degenerate)

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use crate::expr::display::infix;
 use crate::expr::{Binary, Expr, Function, Graph, Id, Matrix, Node, Symbol, carry_out, evaluate};
 use crate::model::check::sample::default_parameters;
-use crate::model::lagrangian::{Body, Lagrangian};
+use crate::model::lagrangian::{Body, Draft};
 use crate::numeric::moments::{Impossible, principal_moments};
 use crate::variable::component_names;
 
@@ -87,7 +87,7 @@ pub struct Requirement {
 }
 
 /// The requirements in the order of the documentation, and for each its numbers, one behind the other, in `graph`.
-pub(crate) fn requirements<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> (Vec<Requirement>, Vec<Expr<'g>>) {
+pub(crate) fn requirements<'g>(lagrangian: &Draft<'_>, graph: &'g Graph) -> (Vec<Requirement>, Vec<Expr<'g>>) {
     let (bodies, others) = lagrangian.bodies();
     let mut found: Vec<(Condition, Vec<Expr<'_>>)> = positive(lagrangian);
     found.extend(bodies.iter().flat_map(of_body));
@@ -132,7 +132,7 @@ fn written(values: &[Expr<'_>], names: &[String]) -> String {
     }
 }
 
-fn positive<'g>(lagrangian: &Lagrangian<'g>) -> Vec<(Condition, Vec<Expr<'g>>)> {
+fn positive<'g>(lagrangian: &Draft<'g>) -> Vec<(Condition, Vec<Expr<'g>>)> {
     let declared = lagrangian.parameters.iter().filter(|parameter| parameter.positive);
     let components = declared.flat_map(|parameter| parameter.first..parameter.first + parameter.count());
     let symbol = |i: usize| lagrangian.graph.symbol(Symbol::Parameter(i as u32));
@@ -305,7 +305,7 @@ fn odd(graph: &Graph, factors: &[Id]) -> Vec<Id> {
 // ---- domains
 
 /// Reciprocals, roots and logarithms of parameters that are taken in any case.
-fn of_domains<'g>(lagrangian: &Lagrangian<'g>) -> Vec<(Condition, Vec<Expr<'g>>)> {
+fn of_domains<'g>(lagrangian: &Draft<'g>) -> Vec<(Condition, Vec<Expr<'g>>)> {
     let graph = lagrangian.graph;
     let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
     let mut roots: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();

@@ -5,11 +5,11 @@ use crate::numeric::Random;
 use crate::state::State;
 use crate::variable::count;
 
-use crate::model::lagrangian::Lagrangian;
+use crate::model::lagrangian::Draft;
 
 impl Random {
     /// A state of a mechanism: angles over the whole circle, all else of order one.
-    pub fn state(&mut self, lagrangian: &Lagrangian<'_>) -> State {
+    pub fn state(&mut self, lagrangian: &Draft<'_>) -> State {
         let (n, inputs) = (lagrangian.dof(), count(&lagrangian.inputs));
         State {
             t: 2.0 * self.symmetric(),
@@ -23,6 +23,6 @@ impl Random {
 }
 
 /// The declared defaults of all parameters, flattened.
-pub(crate) fn default_parameters(lagrangian: &Lagrangian<'_>) -> Vec<f64> {
+pub(crate) fn default_parameters(lagrangian: &Draft<'_>) -> Vec<f64> {
     lagrangian.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect()
 }

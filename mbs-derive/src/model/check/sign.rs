@@ -7,7 +7,7 @@ use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Graph, Node, Number, Symbol, Tape, carry_out};
 use crate::model::check::sample::default_parameters;
 use crate::model::check::singular::along_the_motion;
-use crate::model::lagrangian::Lagrangian;
+use crate::model::lagrangian::Draft;
 use crate::model::value::evaluate::Resolver;
 use crate::numeric::Random;
 use crate::parse::syntax::Span;
@@ -90,7 +90,7 @@ struct Samples {
 }
 
 impl Samples {
-    fn new(lagrangian: &Lagrangian<'_>) -> Self {
+    fn new(lagrangian: &Draft<'_>) -> Self {
         let mut random = Random::new(0x7369_676e);
         let states = (0..TRIED).map(|_| random.state(lagrangian)).collect();
         Samples { states, parameters: default_parameters(lagrangian) }
@@ -125,7 +125,7 @@ impl Samples {
     }
 
     /// The terms of D with `q̇·∂D/∂q̇ < 0` at a state where the sum is negative, too.
-    fn driving_dissipation(&self, lagrangian: &Lagrangian<'_>) -> Vec<usize> {
+    fn driving_dissipation(&self, lagrangian: &Draft<'_>) -> Vec<usize> {
         let values = self.values(&lagrangian.dissipation);
         let size = |v: &[Dual<f64>]| v.iter().map(|d| d.derivative.abs()).sum::<f64>();
         let power = |v: &[Dual<f64>]| v.iter().map(|d| d.derivative).sum::<f64>();
@@ -134,7 +134,7 @@ impl Samples {
     }
 
     /// The forces whose part that depends on the velocities has a positive power everywhere, alone and together.
-    fn driving_forces(&self, lagrangian: &Lagrangian<'_>) -> Vec<usize> {
+    fn driving_forces(&self, lagrangian: &Draft<'_>) -> Vec<usize> {
         let forces: Vec<Expr<'_>> = lagrangian.forces.iter().map(|(_, force)| *force).collect();
         let tape = tape(&forces);
         let at_rest = |state: &State| {

@@ -16,7 +16,7 @@ use crate::diagnostic::Code;
 use crate::expr::evaluate::holds;
 use crate::expr::{Binary, Expr, Function, Graph, HalfInteger, Id, Node, Rounded, Symbol, Tape, Value as _, carry_out};
 use crate::model::check::sample::default_parameters;
-use crate::model::lagrangian::{Choice, ConstraintKind, Lagrangian, OutputValue};
+use crate::model::lagrangian::{Choice, ConstraintKind, Draft, OutputValue};
 use crate::model::value::Value;
 use crate::model::value::evaluate::Resolver;
 use crate::numeric::Random;
@@ -126,7 +126,7 @@ const OUTPUT: &str = "the output's velocity and Jacobian are NaN or infinite the
 
 /// The declared expressions as `derive` sees them, ready to be evaluated.
 struct Search<'l, 'g, 's> {
-    lagrangian: &'l Lagrangian<'g>,
+    lagrangian: &'l Draft<'g>,
     graph: &'s Graph,
     /// The energies first.
     groups: Vec<Group>,
@@ -183,7 +183,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
 impl<'l, 'g, 's> Search<'l, 'g, 's> {
     /// The search, and the copies of the sites.
-    fn new(lagrangian: &'l Lagrangian<'g>, sites: &[Site<'g>], graph: &'s Graph) -> (Self, Vec<Expr<'s>>) {
+    fn new(lagrangian: &'l Draft<'g>, sites: &[Site<'g>], graph: &'s Graph) -> (Self, Vec<Expr<'s>>) {
         let energies = [&lagrangian.kinetic, &lagrangian.potential, &lagrangian.dissipation, &lagrangian.lagrangian];
         let energies: Vec<Expr<'g>> = energies.into_iter().flatten().copied().collect();
         let at_points = lagrangian.point_forces.iter().flat_map(|f| f.force.0.iter().chain(&f.velocity.0));
@@ -225,7 +225,7 @@ impl<'l, 'g, 's> Search<'l, 'g, 's> {
     }
 }
 
-fn components<'g>(lagrangian: &Lagrangian<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
+fn components<'g>(lagrangian: &Draft<'g>, value: &OutputValue<'g>) -> Vec<Expr<'g>> {
     let places = value.frames().iter().flat_map(|frame| lagrangian.frames.get(*frame).position.0);
     value.numbers().into_iter().chain(places).collect()
 }

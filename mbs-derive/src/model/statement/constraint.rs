@@ -9,7 +9,7 @@ use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most};
 use crate::model::check::closure::closes;
 use crate::model::check::sample::default_parameters;
-use crate::model::lagrangian::{Constraint, ConstraintKind, Lagrangian};
+use crate::model::lagrangian::{Constraint, ConstraintKind, Draft};
 use crate::model::names::family::Family;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::{Dimension, second_lacks};
@@ -307,7 +307,7 @@ fn simplified<'g>(rows: &[Expr<'_>], graph: &'g Graph) -> Vec<Expr<'g>> {
 
 /// Which rows are zero up to rounding wherever they are finite, at random states and parameters: the vertical velocity
 /// of the point where a coin touches the table is the sum of terms that cancel, though no local rule sees it.
-fn vanishing(rows: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Vec<bool> {
+fn vanishing(rows: &[Expr<'_>], lagrangian: &Draft<'_>) -> Vec<bool> {
     let tape = Tape::new(rows);
     let mut random = Random::new(0x7661_6e69_7368);
     let mut tries = vec![0; rows.len()];
@@ -326,7 +326,7 @@ fn vanishing(rows: &[Expr<'_>], lagrangian: &Lagrangian<'_>) -> Vec<bool> {
 
 /// The value nearest to zero of a row that does not get there from any of some random states, and has one sign at all
 /// that are met on the way; `None` where it is zero somewhere, or nothing can be said.
-fn never_zero(row: Expr<'_>, lagrangian: &Lagrangian<'_>) -> Option<f64> {
+fn never_zero(row: Expr<'_>, lagrangian: &Draft<'_>) -> Option<f64> {
     const STARTS: usize = 16;
     const STEPS: usize = 60;
     let tape = Tape::new(&[row]);

@@ -11,7 +11,7 @@ use crate::expr::{Expr, Graph, Id, Node, Symbol, Vector, carry_out, evaluate};
 use crate::model::check::Place;
 use crate::model::check::sample::default_parameters;
 use crate::model::check::singular::along_the_motion;
-use crate::model::lagrangian::{Body, Lagrangian};
+use crate::model::lagrangian::{Body, Draft};
 use crate::model::landmark;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::Dimension;
@@ -160,7 +160,7 @@ impl<'g> Resolver<'_, 'g> {
 }
 
 /// The numbers of the terms of V, as written, that hold a weight.
-fn doubles<'g>(lagrangian: &Lagrangian<'g>, written: &[Expr<'g>], weights: &[Expr<'g>]) -> Vec<usize> {
+fn doubles<'g>(lagrangian: &Draft<'g>, written: &[Expr<'g>], weights: &[Expr<'g>]) -> Vec<usize> {
     let mut parts: Vec<(usize, Expr<'g>)> = Vec::new();
     for (number, &term) in written.iter().enumerate() {
         parts.push((number, term));
@@ -181,7 +181,7 @@ fn doubles<'g>(lagrangian: &Lagrangian<'g>, written: &[Expr<'g>], weights: &[Exp
 }
 
 /// How much each expression changes from a state to the next, at the default parameters.
-fn changes(lagrangian: &Lagrangian<'_>, exprs: &[Expr<'_>]) -> Vec<Vec<f64>> {
+fn changes(lagrangian: &Draft<'_>, exprs: &[Expr<'_>]) -> Vec<Vec<f64>> {
     let graph = Graph::new();
     let exprs = carry_out(exprs, &graph, |symbol| along_the_motion(&graph, symbol));
     let (mut random, parameters) = (Random::new(0x6772_6176), default_parameters(lagrangian));

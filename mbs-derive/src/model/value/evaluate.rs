@@ -11,7 +11,7 @@ use crate::model::check::Found;
 use crate::model::check::singular::Sites;
 use crate::model::effort::Effort;
 use crate::model::frame::FrameId;
-use crate::model::lagrangian::Lagrangian;
+use crate::model::lagrangian::Draft;
 use crate::model::landmark;
 use crate::model::names::Names;
 use crate::model::names::function::{Function, Home};
@@ -52,7 +52,7 @@ const MAX_DEPTH: usize = 260;
 pub(in crate::model) struct Resolver<'d, 'g> {
     pub(in crate::model) graph: &'g Graph,
     /// What the statements write.
-    pub(in crate::model) lagrangian: Lagrangian<'g>,
+    pub(in crate::model) lagrangian: Draft<'g>,
     pub(in crate::model) names: Names<'d, 'g>,
     pub(in crate::model) known: Known<'g>,
     pub(in crate::model) report: Report,
@@ -73,7 +73,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(in crate::model) fn new(graph: &'g Graph, name: &str, dimensionless: bool, hold: Hold<'g>) -> Self {
         Resolver {
             graph,
-            lagrangian: Lagrangian::new(graph, name),
+            lagrangian: Draft::new(graph, name),
             names: Names::new(),
             known: Known { facts: Facts::default(), differences: Differences::default(), sites: Sites::new() },
             report: Report::default(),

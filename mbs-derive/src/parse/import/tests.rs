@@ -37,6 +37,19 @@ fn paths_are_found_at_the_top() {
 }
 
 #[test]
+fn what_is_imported_is_put_in_place() {
+    let files = [
+        ("m.mbs", "// a\nimport \"a.mbs\"; import \"t.csv\";\n\n/// d\nmechanism M {\n    coord x: m;\n}\n"),
+        ("a.mbs", "//! a\nfn f(x) = a[0]*x;\n/// Two.\nconst a[2]: m = [1, 2];"),
+        ("t.csv", "b [kg]\n3\n"),
+    ];
+    let declared = "    fn f(x) = a[0]*x;\n    /// Two.\n    const a[2]: m = [1, 2];\n    const b[1]: kg = [3];\n";
+    let whole = in_one_text(&gathered(&files)).unwrap();
+    assert_eq!(whole, format!("// a\n/// d\nmechanism M {{\n{declared}    coord x: m;\n}}\n"));
+    assert_eq!(in_one_text(&gathered(&[("m.mbs", &whole)])).unwrap(), whole);
+}
+
+#[test]
 fn what_a_file_needs_comes_before_its_own() {
     let files = [
         ("m.mbs", "/// d\nimport \"a.mbs\"; import \"x/b.mbs\";\nmechanism M { coord x: m; }"),

@@ -31,7 +31,8 @@ impl Mutants<'_> {
         let functions = self.derivation.functions.len();
         let at = self.below(functions + 1);
         let mut mutant = self.derivation.clone();
-        let program = if at == functions { &mut mutant.constructor } else { &mut mutant.functions[at].program };
+        let parts = mutant.altered();
+        let program = if at == functions { &mut parts.constructor } else { &mut parts.functions[at].program };
         self.change(program, kind, self.derivation.constructor.results.len()).then_some((mutant, at))
     }
 

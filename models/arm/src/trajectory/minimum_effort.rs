@@ -34,6 +34,7 @@
 //! 2017.
 
 mod banded;
+pub mod front;
 mod interior_point;
 mod transcription;
 
@@ -163,7 +164,7 @@ pub fn minimum_effort<const N: usize, const U: usize>(
         Ok((iterate, residual, iterations)) => Ok(MinimumEffort::new(&problem, iterate, residual, iterations)),
         Err((Residual { stationarity, defect, .. }, iterations)) => {
             let residual = if stationarity > defect { stationarity } else { defect };
-            Err(Failure::NotConverged { what: SEARCH, iterations, residual }.into())
+            Err(Failure::NotConverged { what: SEARCH, iterations, residual, unit: "in scaled variables" }.into())
         }
     }
 }

@@ -93,8 +93,9 @@ fn integrate<const N: usize, const U: usize>(
             }
             let middle = from + 0.5 * (to - from);
             if count + 2 > waiting.len() || to - from <= duration * 1e-14 {
-                let residual = part.error;
-                return Err(Failure::NotConverged { what: "the integral", iterations: count, residual }.at_time(middle));
+                let (what, unit) = ("the integral", "in the unit of the integral");
+                let failure = Failure::NotConverged { what, iterations: count, residual: part.error, unit };
+                return Err(failure.at_time(middle));
             }
             (waiting[count], waiting[count + 1]) = ([middle, to], [from, middle]);
             count += 2;

@@ -143,7 +143,8 @@ impl RailArm {
         let rail = flange.pose.position[0] - standoff;
         let solution = self.inverse(&flange.pose, rail)?.of_branch(branch).ok_or(Failure::Missing(ON_BRANCH))?;
         let margin = determinant_factors(&solution.q).margin();
-        let singular = Failure::Singular { of: "the arm", smallest: margin, largest: 1.0 };
+        let singular =
+            Failure::Singular { of: "the arm", smallest: margin, largest: 1.0, unit: "relative to the largest" };
         // NaN is not.
         let is_regular = margin > SINGULAR;
         if !is_regular {

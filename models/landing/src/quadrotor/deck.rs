@@ -89,6 +89,19 @@ impl DeckState {
         }
     }
 
+    /// A level deck at a place \[m\] with this height, its rate and its acceleration.
+    #[must_use]
+    pub fn level([x, y]: [f64; 2], height: Reference) -> Self {
+        DeckState {
+            position: [x, y, height.value],
+            velocity: [0.0, 0.0, height.rate],
+            acceleration: [0.0, 0.0, height.acceleration],
+            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+            angular_velocity: [0.0; 3],
+            heading: Reference::default(),
+        }
+    }
+
     /// How far a place is over the plane of the deck, along its normal \[m\].
     #[must_use]
     pub fn height(&self, place: &[f64; 3]) -> f64 {
@@ -141,15 +154,28 @@ pub struct HeavingDeck<const K: usize> {
 
 impl<const K: usize> Deck for HeavingDeck<K> {
     fn at(&self, t: f64) -> DeckState {
-        let ([x, y], heave) = (self.place, self.heave.at(t));
-        DeckState {
-            position: [x, y, heave.value],
-            velocity: [0.0, 0.0, heave.rate],
-            acceleration: [0.0, 0.0, heave.acceleration],
-            rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            angular_velocity: [0.0; 3],
-            heading: Reference::default(),
-        }
+        DeckState::level(self.place, self.heave.at(t))
+    }
+}
+
+/// A level deck that heaves by `A sin(ωt + φ)`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Swell {
+    /// Where the middle of it is \[m\].
+    pub place: [f64; 2],
+    /// A \[m\]
+    pub amplitude: f64,
+    /// ω \[rad/s\]
+    pub frequency: f64,
+    /// φ \[rad\]
+    pub phase: f64,
+}
+
+impl Deck for Swell {
+    fn at(&self, t: f64) -> DeckState {
+        let Swell { place, amplitude: a, frequency: w, phase } = *self;
+        let (sin, cos) = Scalar::sin_cos(w * t + phase);
+        DeckState::level(place, Reference { value: a * sin, rate: a * w * cos, acceleration: -a * w * w * sin })
     }
 }
 

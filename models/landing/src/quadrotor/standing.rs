@@ -8,13 +8,15 @@
 //! ```
 //!
 //! Its rotors run down from the first touch on. The deck moves as a function of time, [`Planned`], or is that of the
-//! Stewart platform under its control, [`Carried`], which feels what the feet do to it. The deck is a plane without an
-//! edge.
+//! Stewart platform under its control, [`Carried`], which feels what the feet do to it: [`Stand`]. The deck is a plane
+//! without an edge.
 //!
 //! Work is integrated along with the motion, so that the balance of energy can be seen: [`Moment::balance`].
 
 mod carrier;
 mod ending;
+#[cfg(feature = "std")]
+mod on_platform;
 
 use core::cell::Cell;
 use core::ops::ControlFlow;
@@ -31,6 +33,8 @@ use super::landing::{HEIGHT, finite_deck, upright};
 pub use carrier::{Carried, Carrier, Load, Planned};
 use ending::Watch;
 pub use ending::{Ending, Settled, Still};
+#[cfg(feature = "std")]
+pub use on_platform::{Legs, Stand};
 
 /// A vehicle that comes to stand.
 #[derive(Clone, Debug)]

@@ -105,7 +105,18 @@ impl Hull {
         let ((roll, cos_roll), (pitch, cos_pitch)) = (Scalar::sin_cos(q[1]), Scalar::sin_cos(q[2]));
         // The vertical in the platform's axes.
         let up = [-pitch, cos_pitch * roll, cos_pitch * cos_roll];
-        [[x, y], [x, -y], [-x, y], [-x, -y]]
-            .map(|[x, y]| self.draught - mass_centre - q[0] - (up[0] * x + up[1] * y - up[2] * mass_centre))
+        four([x, y]).map(|[x, y]| self.draught - mass_centre - q[0] - (up[0] * x + up[1] * y - up[2] * mass_centre))
     }
+
+    /// How deep they are under a sea that is elevated so at a place \[m\].
+    #[must_use]
+    pub fn depths_under(&self, q: &Four, elevation: impl Fn([f64; 2]) -> f64) -> Four {
+        let (depths, places) = (self.depths(q), four(self.params.column_place));
+        core::array::from_fn(|i| depths[i] + elevation(places[i]))
+    }
+}
+
+/// Of each column, from that ahead on the left.
+fn four([x, y]: [f64; 2]) -> [[f64; 2]; 4] {
+    [[x, y], [x, -y], [-x, y], [-x, -y]]
 }

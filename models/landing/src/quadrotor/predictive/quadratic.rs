@@ -355,7 +355,8 @@ impl Programs {
 
 /// A quadratic program that was not solved: the greater one of the residuals of its equations and of its stationarity.
 fn unsolved(iterations: u32, residual: f64) -> Error {
-    Failure::NotConverged { what: "a quadratic program", iterations: iterations as usize, residual }.into()
+    let (what, iterations, unit) = ("a quadratic program", iterations as usize, "in scaled variables");
+    Failure::NotConverged { what, iterations, residual, unit }.into()
 }
 
 /// The shape of a program is kept, its numbers change: nothing that looks at these alone.

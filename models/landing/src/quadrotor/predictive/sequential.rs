@@ -130,7 +130,9 @@ impl Sequential {
         }
         if residual > self.options.tolerance {
             let iterations = found.programs;
-            return Err(Failure::NotConverged { what: "the plan", iterations, residual }.into());
+            return Err(
+                Failure::NotConverged { what: "the plan", iterations, residual, unit: "in scaled variables" }.into()
+            );
         }
         Ok(found)
     }
