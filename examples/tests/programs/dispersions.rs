@@ -1,14 +1,9 @@
 //! Dispersions as outside programs call them: what two ways say of the same.
 
-use crate::support::{good, json, numbers, run};
-use serde_json::Value;
+use crate::support::{good, json, number, numbers, run};
 
 const DOCKING: &str = env!("CARGO_BIN_EXE_docking_dispersions");
 const PLATFORM: &str = env!("CARGO_BIN_EXE_platform_sensitivity");
-
-fn number(value: &Value) -> f64 {
-    numbers(value)[0]
-}
 
 /// Over 3 km curvature is thousandths: deviations agree within four of their own errors, `4/√(2 N)`.
 #[test]
@@ -25,24 +20,25 @@ fn linear_covariance_is_that_of_flights() {
     assert!((number(&found["within_95"]) - 0.95).abs() < 0.014, "{found}");
 }
 
-/// Thirty motions in dual numbers say what a thousand say: shares within the errors of the few rows.
+/// Thirty motions in dual numbers say of the mean square what hundreds say: the shares of the three numbers that decide
+/// are within the bounds of their indices.
 #[test]
 fn gradients_predict_indices() {
-    let found = json(&good(PLATFORM, &["--json", "--rows", "64"]));
+    let found = json(&good(PLATFORM, &["--json", "--rows", "16"]));
     for quantity in ["rms", "peak"] {
-        let of = &found[quantity];
-        let parameters = of["parameters"].as_object().unwrap();
+        let parameters = found[quantity]["parameters"].as_object().unwrap();
         assert_eq!(parameters.len(), 30);
         let shares: f64 = parameters.values().map(|of| number(&of["by_gradient"])).sum();
         assert!((shares - 1.0).abs() < 1e-12, "{shares}");
-        let ratio = number(&of["sd"]) / number(&of["sd_by_gradient"]);
-        // A deviation of 64 is known to a quarter.
-        assert!((0.7..1.3).contains(&ratio), "{quantity}: {ratio}");
-        let greatest = |key: &str| {
-            let all = parameters.iter().map(|(name, of)| (number(&of[key]), name));
-            all.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
-        };
-        assert_eq!(greatest("by_gradient").1, greatest("total").1, "{quantity}: {of}");
+    }
+    let of = &found["rms"];
+    // A deviation of 16 is known to a fifth.
+    let ratio = number(&of["sd"]) / number(&of["sd_by_gradient"]);
+    assert!((0.6..1.4).contains(&ratio), "{ratio}");
+    for (name, least) in [("payload_mass", 0.5), ("platform_mass", 0.3), ("piston_mass", 0.03)] {
+        let of = &of["parameters"][name];
+        let (share, bounds) = (number(&of["by_gradient"]), numbers(&of["total_ci95"]));
+        assert!(share > least && bounds[0] < share && share < bounds[1], "{name}: {of}");
     }
 }
 
