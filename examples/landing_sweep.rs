@@ -1,9 +1,9 @@
-//! How hard does a quadrotor land where mass, inertia, drag, wind and start are drawn by a plan?
+//! How hard does a quadrotor land where mass, inertia, drag, wind, start, sensors and sea are drawn by a plan?
 //!
-//! The plan is `examples/ensembles/landing.toml`, or the one of `--plan FILE`; each member is a closure of its values
-//! with generated code, the landing's controller at 500 Hz, and a noisy sensor, whose random numbers are the member's
-//! own. The table goes to `--table FILE`, which a killed run continues. `--compare` measures what the ensemble costs
-//! beside the bare loop over its closures, on one thread.
+//! The plan is `examples/ensembles/landing.toml`, or the one of `--plan FILE`, such as `landing_seas.toml` beside it;
+//! each member is a closure of its values with generated code, the landing's controller at 500 Hz, and a noisy sensor,
+//! whose random numbers are the member's own. The table goes to `--table FILE`, which a killed run continues.
+//! `--compare` measures what the ensemble costs beside the bare loop over its closures, on one thread.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -48,7 +48,7 @@ const PERIOD: f64 = 1.0 / 500.0;
 const SEEN: [f64; 4] = [0.005, 0.001, 0.01, 0.002];
 
 /// What the plan may vary, with units.
-const VARIABLES: [(&str, &str); 9] = [
+const VARIABLES: [(&str, &str); 12] = [
     ("mass", "kg"),
     ("inertia", "1"),
     ("drag", "1"),
@@ -58,6 +58,10 @@ const VARIABLES: [(&str, &str); 9] = [
     ("x", "m"),
     ("y", "m"),
     ("z", "m"),
+    // What the sensors' noise, the deck's amplitudes and its frequencies are multiplied by.
+    ("sensors", "1"),
+    ("sea", "1"),
+    ("swell", "1"),
 ];
 
 /// What is measured at a touchdown.
@@ -126,11 +130,16 @@ impl Landings {
 
     /// A landing with its touchdown's quantities; the controller knows the vehicle as it was designed.
     fn land(&self, member: &Member) -> Result<Vec<f64>, String> {
-        let mut landing = Landing::new(Plant::Exact, Heave::CASE_I);
-        let designed = *landing.vehicle.params();
-        let mut values = [designed.m, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+        let calm = Landing::new(Plant::Exact, Heave::CASE_I);
+        let designed = *calm.vehicle.params();
+        let mut values = [designed.m, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
         self.places.iter().zip(&member.values).for_each(|(place, value)| values[*place] = *value);
-        let [m, inertia, drag, wind_x, wind_y, wind_z, x, y, z] = values;
+        let [m, inertia, drag, wind_x, wind_y, wind_z, x, y, z, sensors, sea, swell] = values;
+        let heave = Heave {
+            amplitude: Heave::CASE_I.amplitude.map(|amplitude| sea * amplitude),
+            frequency: Heave::CASE_I.frequency.map(|frequency| swell * frequency),
+        };
+        let mut landing = Landing::new(Plant::Exact, heave);
         landing.vehicle = QuadrotorEuler::new(Params {
             m,
             inertias: designed.inertias.map(|of| inertia * of),
@@ -142,18 +151,18 @@ impl Landings {
         [x, y, z].iter().enumerate().for_each(|(i, off)| start.q[i] += off);
         let mut random = rand_pcg::Pcg64Mcg::from_rng(&mut member.random());
         let end = landing
-            .simulate_sampled(start, PERIOD, |_, state| seen(state, &mut random))
+            .simulate_sampled(start, PERIOD, |_, state| seen(state, sensors, &mut random))
             .map_err(|error| error.to_string())?;
         Ok(vec![end.time, end.relative_velocity, end.horizontal_offset])
     }
 }
 
-/// A state as the sensors see it.
-fn seen(state: &State<[f64; 6]>, random: &mut rand_pcg::Pcg64Mcg) -> State<[f64; 6]> {
+/// A state as sensors see it whose noise is a multiple of what it should be.
+fn seen(state: &State<[f64; 6]>, noise: f64, random: &mut rand_pcg::Pcg64Mcg) -> State<[f64; 6]> {
     let mut seen = *state;
     let mut noise = |deviation: f64| {
         let normal: f64 = StandardNormal.sample(random);
-        deviation * normal
+        noise * deviation * normal
     };
     for i in 0..3 {
         seen.q[i] += noise(SEEN[0]);

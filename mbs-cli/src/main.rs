@@ -20,8 +20,9 @@
 //!
 //! What they share: [`mechanism`] runs the generator's passes on a file, [`cache`] keeps what they gave, [`state`]
 //! reads states, [`mod@equations`] evaluates them along a motion, `accuracy`, a feature, measures their errors,
-//! [`scene`] says what there is to see of them, [`summary`] what many say together, [`output`] writes, [`message`] is what standard error says, [`files`]
-//! sees that nothing that was read is overwritten, and [`failure`] is how a command ends early.
+//! [`scene`] says what there is to see of them, [`summary`] what many say together, [`output`] writes, [`message`] is
+//! what standard error says, [`files`] sees that nothing that was read is overwritten, and [`failure`] is how a command
+//! ends early.
 //!
 //! Exit codes: 0 fine, 1 the model or the input is bad, 2 wrong usage. Results go to standard output or to the files
 //! asked for, once everything has succeeded; errors, warnings and the progress bar go to standard error.

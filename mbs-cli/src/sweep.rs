@@ -74,9 +74,9 @@ pub(crate) struct Arguments {
     /// Make the table of what all ranks have done, and run nothing.
     #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
     merge: bool,
-    /// Print means and quantiles of the quantities, with bounds at a confidence of 95 %, and with the designs `saltelli`
-    /// and `chaos` the Sobol' indices of what varies; of the table where it is there already. It keeps all numbers in
-    /// memory.
+    /// Print means and quantiles of the quantities, with bounds at a confidence of 95 %, and with the designs
+    /// `saltelli` and `chaos` the Sobol' indices of what varies; of the table where it is there already.
+    /// It keeps all numbers in memory.
     #[arg(long, conflicts_with_all = ["rank", "dry_run"])]
     summary: bool,
 }

@@ -4,6 +4,7 @@ mod adaptive;
 mod arm;
 mod assembly_cell;
 mod assistive_arm;
+mod dispersions;
 mod docking;
 mod elastic_arm;
 mod estimator;

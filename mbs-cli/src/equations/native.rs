@@ -118,8 +118,8 @@ pub(crate) struct Compiled<'n> {
 }
 
 impl Compiled<'_> {
-    /// The results of the function with this number, part by part, as the interpreter has them; multipliers are those of
-    /// the motion where none are given. `None` where it is not compiled.
+    /// The results of the function with this number, part by part, as the interpreter has them; multipliers are those
+    /// of the motion where none are given. `None` where it is not compiled.
     pub(crate) fn evaluate(&self, number: usize, state: &State, multipliers: Option<&[f64]>) -> Option<Vec<f64>> {
         let call = self.native.calls.get(number)?;
         let mut values = vec![0.0; call.parts.iter().sum()];

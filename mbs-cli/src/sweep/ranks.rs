@@ -15,7 +15,8 @@ mod joined {
     pub(in super::super) struct Ranks(Universe);
 
     impl Ranks {
-        /// Those of the launcher, if it has started more than one: `mpirun`, or another that says so in the environment.
+        /// Those of the launcher, if it has started more than one: `mpirun`, or another that says so in the
+        /// environment.
         pub(in super::super) fn joined() -> Option<Self> {
             let is_launched =
                 Share::launched(|name| std::env::var(name).ok()).is_some_and(|Share { ranks, .. }| ranks > 1);

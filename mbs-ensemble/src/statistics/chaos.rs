@@ -22,7 +22,8 @@ use crate::distribution::Distribution;
 ///
 /// ```
 /// use mbs_ensemble::{Distribution, statistics::chaos::{Chaos, grid}};
-/// let distributions = [Distribution::Normal { mean: 1.0, deviation: 0.1 }, Distribution::Uniform { low: 0.0, high: 1.0 }];
+/// let normal = Distribution::Normal { mean: 1.0, deviation: 0.1 };
+/// let distributions = [normal, Distribution::Uniform { low: 0.0, high: 1.0 }];
 /// let values: Vec<f64> = grid(&distributions, 2).iter().map(|x| x[0] * x[0] + 3.0 * x[1]).collect();
 /// let chaos = Chaos::of_grid(&distributions, 2, &values).unwrap();
 /// // E x² = μ² + σ², V x² = 4 μ² σ² + 2 σ⁴; V 3 u = 9/12.

@@ -1,0 +1,216 @@
+//! Which of thirty numbers decide on the forces of a platform's legs?
+//!
+//! A Stewart platform of chapter 4 moves in all coordinates at once; geometry, masses, inertias, amplitudes and
+//! frequencies are known to some hundredths, as the plan `examples/ensembles/platform.toml` says. Once by exact
+//! gradients: 30 motions in dual numbers, and the variance as the sum of what each number adds. Once by Sobol' indices
+//! of thousands of motions, which assume nothing. Look at how well the first column predicts the others: for the mean
+//! square of the forces thirty motions tell what thousands do; for the greatest force they do not, since another one
+//! becomes the greatest.
+//!
+//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws.
+
+use std::path::PathBuf;
+
+use mbs_ensemble::plan::Located;
+use mbs_ensemble::statistics::Moments;
+use mbs_ensemble::statistics::sensitivity::{Indices, indices};
+use mbs_ensemble::table::{Column, Format};
+use mbs_ensemble::{Design, Distribution, Member, Plan, Share, Sweep, Variables, journal};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
+use mbs_examples::{print, println};
+use mbs_models::Error;
+use mbs_platform::sensitivity::Parameter;
+use mbs_platform::{Motion, Platform};
+use serde_json::{Value, json};
+
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// How many rows of 32 motions, instead of as many as the plan says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
+    rows: Option<u64>,
+    /// Where the table goes.
+    #[arg(long, value_name = "FILE.csv")]
+    table: Option<PathBuf>,
+}
+
+/// What is measured of a motion \[N\]: the root of the mean square of all forces, and the greatest.
+const QUANTITIES: [&str; 2] = ["rms", "peak"];
+
+/// How long it moves \[s\], and how often it is looked at.
+const DURATION: f64 = 20.0;
+const TIMES: u32 = 100;
+
+/// What it rests on.
+const ASSUMED: [&str; 2] = ["platform.", "dispersions.platform"];
+
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::<Options>::with_options(include_str!("platform_sensitivity.rs"));
+    let options = &arguments.options;
+    let text = include_str!("ensembles/platform.toml");
+    let refused = |faults: mbs_ensemble::Faults| Failure::new(faults.render("platform.toml", text));
+    let mut plan = Plan::read(text).map_err(refused)?;
+    if let Some(rows) = options.rows {
+        plan.members = Some(Located { value: rows, span: 0..0 });
+    }
+    let known = Parameter::all().map(|parameter| (parameter.name(), parameter.unit()));
+    let design = plan.design(&Variables::new(known)).map_err(refused)?;
+    let study = Study::of(&design)?;
+    let folder = tempfile::tempdir()?;
+    let sweep = Sweep {
+        design: &design,
+        quantities: QUANTITIES.map(|name| Column::new(name, "N")).to_vec(),
+        table: options.table.clone().unwrap_or(folder.path().join("platform.csv")),
+        format: Format::Csv,
+        identity: journal::Identity::new([
+            ("program", concat!("platform_sensitivity ", env!("CARGO_PKG_VERSION")).to_string()),
+            ("plan", journal::digest(text.as_bytes())),
+            ("number of members", design.members().to_string()),
+        ]),
+    };
+    if sweep.is_finished()? {
+        return Err(Failure::new(format!("{} was finished already", sweep.table.display())));
+    }
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    sweep.run(&|member: &Member| study.forces(&member.values), Share::WHOLE, threads, &|_| ())?;
+    let mut columns = [Vec::new(), Vec::new()];
+    sweep.merge(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value)))?;
+    let gradients = study.gradients()?;
+    let results: Vec<Quantity> = columns
+        .iter()
+        .zip(gradients)
+        .map(|(column, gradient)| Quantity::of(&design, column, &gradient))
+        .collect::<Result<_, _>>()?;
+    if arguments.json {
+        let names = QUANTITIES.iter().zip(&results);
+        let value: Value = names.map(|(name, quantity)| (name.to_string(), quantity.object(&study))).collect();
+        println!("{}", assumed::with(value, &ASSUMED));
+    } else {
+        QUANTITIES.iter().zip(&results).for_each(|(name, quantity)| print!("{}", quantity.text(name, &study)));
+        print!("{}", assumed::text(&ASSUMED));
+    }
+    Ok(())
+}
+
+/// The platform and its motion, and which of their numbers vary.
+struct Study {
+    parameters: Vec<Parameter>,
+    /// The middle of what each is drawn from.
+    middle: Vec<f64>,
+}
+
+impl Study {
+    fn of(design: &Design) -> Result<Self, Failure> {
+        let parameters = design.variables().iter().map(|variable| variable.name.parse());
+        let parameters = parameters.collect::<Result<_, Error>>()?;
+        let middle = design.distributions().iter().map(|distribution| distribution.at_germ(0.0)).collect();
+        Ok(Study { parameters, middle })
+    }
+
+    /// A platform and a motion with these numbers in place of the declared ones.
+    fn with(&self, values: &[f64]) -> Result<(Platform, Motion), Error> {
+        let (mut params, mut motion) = (*Platform::default().params(), Motion::COMBINED);
+        for (parameter, value) in self.parameters.iter().zip(values) {
+            parameter.add(value - parameter.value(&params, &motion), &mut params, &mut motion);
+        }
+        Ok((Platform::new(params)?, motion))
+    }
+
+    /// The quantities of a motion.
+    fn forces(&self, values: &[f64]) -> Result<Vec<f64>, String> {
+        let (platform, motion) = self.with(values).map_err(|error| error.to_string())?;
+        let (mut square, mut peak) = (0.0, 0.0_f64);
+        for t in times() {
+            let [q, qd, qdd] = motion.at(t);
+            let forces = platform.leg_forces(&q, &qd, &qdd).map_err(|error| error.or_at_time(t).to_string())?;
+            square += forces.iter().map(|force| force * force).sum::<f64>();
+            peak = forces.iter().fold(peak, |peak, force| peak.max(force.abs()));
+        }
+        Ok(vec![(square / f64::from(6 * TIMES)).sqrt(), peak])
+    }
+
+    /// The derivatives of both quantities by all parameters, at the middle. The peak's is that of the force at its
+    /// time: there the force does not change with time.
+    fn gradients(&self) -> Result<[Vec<f64>; 2], Failure> {
+        let (platform, motion) = self.with(&self.middle)?;
+        let rms = self.forces(&self.middle).map_err(Failure::new)?[0];
+        let mut gradients = [Vec::new(), Vec::new()];
+        for &parameter in &self.parameters {
+            let (mut slope, mut peak) = (0.0, (0.0, 0.0));
+            for t in times() {
+                for force in platform.leg_state_by(parameter, &motion, t)?.force {
+                    slope += force.value * force.derivative;
+                    if force.value.abs() > peak.0 {
+                        peak = (force.value.abs(), force.value.signum() * force.derivative);
+                    }
+                }
+            }
+            gradients[0].push(slope / f64::from(6 * TIMES) / rms);
+            gradients[1].push(peak.1);
+        }
+        Ok(gradients)
+    }
+}
+
+fn times() -> impl Iterator<Item = f64> {
+    (0..TIMES).map(|number| DURATION * f64::from(number) / f64::from(TIMES))
+}
+
+/// What is known of a quantity.
+struct Quantity {
+    /// By the gradients, and by the members \[N\].
+    deviations: [f64; 2],
+    /// The share of the variance of each parameter by its derivative.
+    shares: Vec<f64>,
+    indices: Vec<Indices>,
+}
+
+impl Quantity {
+    fn of(design: &Design, values: &[f64], gradient: &[f64]) -> Result<Self, Failure> {
+        let slopes =
+            design.distributions().into_iter().map(|distribution: Distribution| distribution.slope_at_germ(0.0));
+        let parts: Vec<f64> =
+            gradient.iter().zip(slopes).map(|(slope, deviation)| (slope * deviation).powi(2)).collect();
+        let variance: f64 = parts.iter().sum();
+        // The first of a row is drawn like a member of its own.
+        let drawn: Moments = values.chunks(parts.len() + 2).map(|row| row[0]).collect();
+        let indices = indices(values, parts.len(), design.seed());
+        let indices = indices.ok_or_else(|| Failure::new("the forces do not vary, or there are too few rows"))?;
+        let shares = parts.iter().map(|part| part / variance).collect();
+        Ok(Quantity { deviations: [variance.sqrt(), drawn.deviation()], shares, indices })
+    }
+
+    fn object(&self, study: &Study) -> Value {
+        let entry = |place: usize| {
+            let Indices { first, total } = self.indices[place];
+            let value = json!({
+                "by_gradient": self.shares[place],
+                "first": first.value, "first_ci95": first.interval,
+                "total": total.value, "total_ci95": total.interval,
+            });
+            (study.parameters[place].name().to_string(), value)
+        };
+        let parameters: Value = (0..self.shares.len()).map(entry).collect();
+        json!({ "sd_by_gradient": self.deviations[0], "sd": self.deviations[1], "parameters": parameters })
+    }
+
+    /// The parameters that decide, in order.
+    fn text(&self, name: &str, study: &Study) -> String {
+        const SHOWN: usize = 8;
+        let mut order: Vec<usize> = (0..self.shares.len()).collect();
+        order.sort_by(|a, b| self.indices[*b].total.value.total_cmp(&self.indices[*a].total.value));
+        let [by_gradient, by_members] = self.deviations;
+        let mut text = format!(
+            "{name} of the forces: deviation {by_gradient:.2} N by gradients, {by_members:.2} N by members\n  \
+             parameter             gradient   first order                 total\n"
+        );
+        for place in order.into_iter().take(SHOWN) {
+            let Indices { first, total } = self.indices[place];
+            let bounded = |e: mbs_ensemble::statistics::sensitivity::Estimate| {
+                format!("{:.3} ({:.3} to {:.3})", e.value, e.interval[0], e.interval[1])
+            };
+            let (share, first, total) = (self.shares[place], bounded(first), bounded(total));
+            text += &format!("  {:<20}  {share:<9.3}  {first:<26}  {total}\n", study.parameters[place].name());
+        }
+        text
+    }
+}

@@ -1,0 +1,51 @@
+//! Dispersions as outside programs call them: what two ways say of the same.
+
+use crate::support::{good, json, number, numbers, run};
+
+const DOCKING: &str = env!("CARGO_BIN_EXE_docking_dispersions");
+const PLATFORM: &str = env!("CARGO_BIN_EXE_platform_sensitivity");
+
+/// Over 3 km curvature is thousandths: deviations agree within four of their own errors, `4/√(2 N)`.
+#[test]
+fn linear_covariance_is_that_of_flights() {
+    let found = json(&good(DOCKING, &["--json", "--members", "4000"]));
+    assert_eq!(found["members"], 4000);
+    for name in ["miss_x", "miss_y", "miss_z", "miss_v_x", "miss_v_y", "miss_v_z"] {
+        let of = &found[name];
+        let (linear, flown) = (number(&of["sd_linear"]), number(&of["sd"]));
+        assert!((flown / linear - 1.0).abs() < 4.0 / 8000.0_f64.sqrt(), "{name}: {of}");
+        assert!(number(&of["mean"]).abs() < 0.2 * linear, "{name}: {of}");
+    }
+    // Four deviations of a share of 4000.
+    assert!((number(&found["within_95"]) - 0.95).abs() < 0.014, "{found}");
+}
+
+/// Thirty motions in dual numbers say of the mean square what hundreds say: the shares of the three numbers that decide
+/// are within the bounds of their indices.
+#[test]
+fn gradients_predict_indices() {
+    let found = json(&good(PLATFORM, &["--json", "--rows", "16"]));
+    for quantity in ["rms", "peak"] {
+        let parameters = found[quantity]["parameters"].as_object().unwrap();
+        assert_eq!(parameters.len(), 30);
+        let shares: f64 = parameters.values().map(|of| number(&of["by_gradient"])).sum();
+        assert!((shares - 1.0).abs() < 1e-12, "{shares}");
+    }
+    let of = &found["rms"];
+    // A deviation of 16 is known to a fifth.
+    let ratio = number(&of["sd"]) / number(&of["sd_by_gradient"]);
+    assert!((0.6..1.4).contains(&ratio), "{ratio}");
+    for (name, least) in [("payload_mass", 0.5), ("platform_mass", 0.3), ("piston_mass", 0.03)] {
+        let of = &of["parameters"][name];
+        let (share, bounds) = (number(&of["by_gradient"]), numbers(&of["total_ci95"]));
+        assert!(share > least && bounds[0] < share && share < bounds[1], "{name}: {of}");
+    }
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    for (program, arguments) in [(DOCKING, ["--members", "1"]), (PLATFORM, ["--rows", "many"])] {
+        let output = run(program, &arguments);
+        assert!(output.status.code() == Some(2) && output.stdout.is_empty(), "{arguments:?}");
+    }
+}
