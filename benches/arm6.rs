@@ -1,8 +1,8 @@
 //! The benchmark arm: generated code, the same customised by hand, and general algorithms; one state a call, and four
 //! in lanes.
 //!
-//! `cargo bench -p mbs-benches --bench arm6`; `items` are states. The example `speed` times the same functions in turns,
-//! and checks that they agree.
+//! `cargo bench -p mbs-benches --bench arm6`; `items` are states. The example `speed` times the same functions in
+//! turns, and checks that they agree.
 
 // As in `speed`, the contenders are compiled with the program, so that each is inlined alike.
 #[path = "../examples/speed/custom_lanes.rs"]
