@@ -10,12 +10,10 @@
 
 use std::path::PathBuf;
 
-use mbs_ensemble::plan::Located;
 use mbs_ensemble::statistics::Moments;
-use mbs_ensemble::table::{Column, Format};
-use mbs_ensemble::{Design, Member, Plan, Share, Sweep, Variables, journal};
-use mbs_examples::{Failure, arguments::Arguments, assumed};
-use mbs_examples::{print, println};
+use mbs_ensemble::{Design, Member, Plan};
+use mbs_examples::dispersion::Dispersion;
+use mbs_examples::{Failure, arguments::Arguments};
 use mbs_models::Error;
 use mbs_orbit::clohessy_wiltshire::{self, state_transition};
 use mbs_orbit::lvlh::Frame;
@@ -63,41 +61,14 @@ const ASSUMED: [&str; 2] = ["orbit.altitude", "dispersions.docking"];
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("docking_dispersions.rs"));
     let options = &arguments.options;
-    let text = include_str!("ensembles/docking.toml");
-    let refused = |faults: mbs_ensemble::Faults| Failure::new(faults.render("docking.toml", text));
-    let mut plan = Plan::read(text).map_err(refused)?;
-    if let Some(members) = options.members {
-        plan.members = Some(Located { value: members, span: 0..0 });
-    }
-    let design = plan.design(&Variables::new(VARIABLES)).map_err(refused)?;
-    let flight = Flight::planned()?;
-    let folder = tempfile::tempdir()?;
-    let sweep = Sweep {
-        design: &design,
-        quantities: QUANTITIES.map(|(name, unit)| Column::new(name, unit)).to_vec(),
-        table: options.table.clone().unwrap_or(folder.path().join("docking.csv")),
-        format: Format::Csv,
-        identity: journal::Identity::new([
-            ("program", concat!("docking_dispersions ", env!("CARGO_PKG_VERSION")).to_string()),
-            ("plan", journal::digest(text.as_bytes())),
-            ("number of members", design.members().to_string()),
-        ]),
-    };
-    if sweep.is_finished()? {
-        return Err(Failure::new(format!("{} was finished already", sweep.table.display())));
-    }
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let miss = |member: &Member| flight.miss(&in_order(&design, member)).map_err(|error| error.to_string());
-    sweep.run(&miss, Share::WHOLE, threads, &|_| ())?;
-    let mut misses = Vec::new();
-    sweep.merge(|row| misses.push(row.to_vec()))?;
-    let covariance = flight.covariance(&plan, &design)?;
-    let dispersions = Dispersions::of(&covariance, &misses)?;
-    if arguments.json {
-        println!("{}", assumed::with(dispersions.object(), &ASSUMED));
-    } else {
-        print!("{}{}", dispersions.text(), assumed::text(&ASSUMED));
-    }
+    let plan = ("docking.toml", include_str!("ensembles/docking.toml"));
+    let members = options.members;
+    let dispersion = Dispersion::planned("docking_dispersions", plan, members, VARIABLES, &QUANTITIES)?;
+    let (flight, design) = (Flight::planned()?, &dispersion.design);
+    let miss = |member: &Member| flight.miss(&in_order(design, member)).map_err(|error| error.to_string());
+    let misses = dispersion.all_columns(options.table.as_deref(), &miss)?;
+    let dispersions = Dispersions::of(&flight.covariance(&dispersion.plan, design)?, &misses)?;
+    arguments.answer(dispersions.object(), &dispersions.text(), &ASSUMED);
     Ok(())
 }
 
@@ -202,15 +173,16 @@ impl Dispersions {
         let inverse: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
         let inverse =
             inverse.try_inverse().ok_or_else(|| Failure::new("the places do not scatter in all directions"))?;
-        let is_within = |miss: &&Vec<f64>| {
-            let place = Vector3::new(miss[0], miss[1], miss[2]);
+        let members = misses[0].len();
+        let is_within = |member: &usize| {
+            let place = Vector3::from_fn(|axis, _| misses[axis][*member]);
             (place.transpose() * inverse * place)[0] <= WITHIN
         };
         Ok(Dispersions {
-            members: misses.len(),
+            members,
             linear: std::array::from_fn(|i| covariance[(i, i)].sqrt()),
-            flown: std::array::from_fn(|i| misses.iter().map(|miss| miss[i]).collect()),
-            within: misses.iter().filter(is_within).count() as f64 / misses.len() as f64,
+            flown: std::array::from_fn(|i| misses[i].iter().copied().collect()),
+            within: (0..members).filter(is_within).count() as f64 / members as f64,
         })
     }
 

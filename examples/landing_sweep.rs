@@ -8,19 +8,17 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use mbs_ensemble::plan::Located;
 use mbs_ensemble::statistics::{Moments, quantile, quantile_interval};
-use mbs_ensemble::table::{Column, Format};
-use mbs_ensemble::{Design, Member, Plan, Share, Sweep, Variables, journal};
-use mbs_examples::{Failure, arguments::Arguments, assumed};
-use mbs_examples::{print, println};
+use mbs_ensemble::{Design, Member, Share, Sweep};
+use mbs_examples::dispersion::Dispersion;
+use mbs_examples::{Failure, arguments::Arguments, assumed, println};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_runtime::State;
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::rand_core::SeedableRng;
-use serde_json::json;
+use serde_json::{Value, json};
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
@@ -78,42 +76,18 @@ fn main() -> Result<(), Failure> {
         Some(path) => (path.display().to_string(), std::fs::read_to_string(path)?),
         None => ("landing.toml".to_string(), include_str!("ensembles/landing.toml").to_string()),
     };
-    let refused = |faults: mbs_ensemble::Faults| Failure::new(faults.render(&name, &text));
-    let mut plan = Plan::read(&text).map_err(refused)?;
-    if let Some(members) = options.members {
-        plan.members = Some(Located { value: members, span: 0..0 });
-    }
-    let design = plan.design(&Variables::new(VARIABLES)).map_err(refused)?;
-    let landings = Landings::of(&design)?;
-    let folder = tempfile::tempdir()?;
-    let sweep = |table: PathBuf| Sweep {
-        design: &design,
-        quantities: QUANTITIES.iter().map(|(name, unit)| Column::new(name, unit)).collect(),
-        table,
-        format: Format::Csv,
-        identity: journal::Identity::new([
-            ("program", concat!("landing_sweep ", env!("CARGO_PKG_VERSION")).to_string()),
-            ("plan", journal::digest(text.as_bytes())),
-            ("number of members", design.members().to_string()),
-        ]),
-    };
+    let members = options.members;
+    let dispersion = Dispersion::planned("landing_sweep", (&name, &text), members, VARIABLES, &QUANTITIES)?;
+    let landings = Landings::of(&dispersion.design)?;
     if options.compare {
-        return compare(&landings, &sweep(folder.path().join("landings.csv")));
+        let folder = tempfile::tempdir()?;
+        return compare(&landings, &dispersion.sweep(folder.path().join("landings.csv")));
     }
-    let sweep = sweep(options.table.clone().unwrap_or(folder.path().join("landings.csv")));
-    if sweep.is_finished()? {
-        return Err(Failure::new(format!("{} was finished already", sweep.table.display())));
-    }
-    let threads = options.threads.map_or_else(cores, usize::from);
-    sweep.run(&|member: &Member| landings.land(member), Share::WHOLE, threads, &|_| ())?;
-    let mut columns = vec![Vec::new(); QUANTITIES.len()];
-    let outcome = sweep.merge(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value)))?;
-    report(&outcome, columns, arguments.json);
+    let land = |member: &Member| landings.land(member);
+    let (outcome, columns) = dispersion.columns(options.table.as_deref(), options.threads.map(usize::from), &land)?;
+    let (object, text) = report(&outcome, columns);
+    arguments.answer(object, &text, &[assumed::LANDING, &ASSUMED].concat());
     Ok(())
-}
-
-fn cores() -> usize {
-    std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
 }
 
 /// Where the values of a member go.
@@ -174,7 +148,7 @@ fn seen(state: &State<[f64; 6]>, noise: f64, random: &mut rand_pcg::Pcg64Mcg) ->
 }
 
 /// What all landings say together.
-fn report(outcome: &mbs_ensemble::sweep::Outcome, columns: Vec<Vec<f64>>, as_json: bool) {
+fn report(outcome: &mbs_ensemble::sweep::Outcome, columns: Vec<Vec<f64>>) -> (Value, String) {
     let mut object = json!({ "members": outcome.members, "stopped": outcome.stopped });
     let mut text = format!("{} landings, {} without a touchdown\n", outcome.members, outcome.stopped);
     for ((name, unit), mut column) in QUANTITIES.into_iter().zip(columns) {
@@ -194,13 +168,7 @@ fn report(outcome: &mbs_ensemble::sweep::Outcome, columns: Vec<Vec<f64>>, as_jso
             moments.mean
         );
     }
-    let all = [assumed::LANDING, &ASSUMED].concat();
-    if as_json {
-        object["assumed"] = assumed::to_json(&all);
-        println!("{object}");
-    } else {
-        print!("{text}{}", assumed::text(&all));
-    }
+    (object, text)
 }
 
 /// Members a second on one thread: of the loop over the closures alone, and of the ensemble with its journal and table.

@@ -11,13 +11,11 @@
 
 use std::path::PathBuf;
 
-use mbs_ensemble::plan::Located;
 use mbs_ensemble::statistics::Moments;
-use mbs_ensemble::statistics::sensitivity::{Indices, indices};
-use mbs_ensemble::table::{Column, Format};
-use mbs_ensemble::{Design, Distribution, Member, Plan, Share, Sweep, Variables, journal};
-use mbs_examples::{Failure, arguments::Arguments, assumed};
-use mbs_examples::{print, println};
+use mbs_ensemble::statistics::sensitivity::{Estimate, Indices, indices};
+use mbs_ensemble::{Design, Distribution, Member};
+use mbs_examples::dispersion::Dispersion;
+use mbs_examples::{Failure, arguments::Arguments};
 use mbs_models::Error;
 use mbs_platform::sensitivity::Parameter;
 use mbs_platform::{Motion, Platform};
@@ -46,48 +44,20 @@ const ASSUMED: [&str; 2] = ["platform.", "dispersions.platform"];
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("platform_sensitivity.rs"));
     let options = &arguments.options;
-    let text = include_str!("ensembles/platform.toml");
-    let refused = |faults: mbs_ensemble::Faults| Failure::new(faults.render("platform.toml", text));
-    let mut plan = Plan::read(text).map_err(refused)?;
-    if let Some(rows) = options.rows {
-        plan.members = Some(Located { value: rows, span: 0..0 });
-    }
-    let known = Parameter::all().map(|parameter| (parameter.name(), parameter.unit()));
-    let design = plan.design(&Variables::new(known)).map_err(refused)?;
-    let study = Study::of(&design)?;
-    let folder = tempfile::tempdir()?;
-    let sweep = Sweep {
-        design: &design,
-        quantities: QUANTITIES.map(|name| Column::new(name, "N")).to_vec(),
-        table: options.table.clone().unwrap_or(folder.path().join("platform.csv")),
-        format: Format::Csv,
-        identity: journal::Identity::new([
-            ("program", concat!("platform_sensitivity ", env!("CARGO_PKG_VERSION")).to_string()),
-            ("plan", journal::digest(text.as_bytes())),
-            ("number of members", design.members().to_string()),
-        ]),
-    };
-    if sweep.is_finished()? {
-        return Err(Failure::new(format!("{} was finished already", sweep.table.display())));
-    }
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    sweep.run(&|member: &Member| study.forces(&member.values), Share::WHOLE, threads, &|_| ())?;
-    let mut columns = [Vec::new(), Vec::new()];
-    sweep.merge(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(*value)))?;
-    let gradients = study.gradients()?;
-    let results: Vec<Quantity> = columns
-        .iter()
-        .zip(gradients)
-        .map(|(column, gradient)| Quantity::of(&design, column, &gradient))
-        .collect::<Result<_, _>>()?;
-    if arguments.json {
-        let names = QUANTITIES.iter().zip(&results);
-        let value: Value = names.map(|(name, quantity)| (name.to_string(), quantity.object(&study))).collect();
-        println!("{}", assumed::with(value, &ASSUMED));
-    } else {
-        QUANTITIES.iter().zip(&results).for_each(|(name, quantity)| print!("{}", quantity.text(name, &study)));
-        print!("{}", assumed::text(&ASSUMED));
-    }
+    let plan = ("platform.toml", include_str!("ensembles/platform.toml"));
+    let known: Vec<_> = Parameter::all().map(|parameter| (parameter.name(), parameter.unit())).collect();
+    let quantities = QUANTITIES.map(|name| (name, "N"));
+    let dispersion = Dispersion::planned("platform_sensitivity", plan, options.rows, known, &quantities)?;
+    let (design, study) = (&dispersion.design, Study::of(&dispersion.design)?);
+    let forces = |member: &Member| study.forces(&member.values);
+    let columns = dispersion.all_columns(options.table.as_deref(), &forces)?;
+    let of_both = columns.iter().zip(study.gradients()?);
+    let results = of_both.map(|(column, gradient)| Quantity::of(design, column, &gradient));
+    let results = results.collect::<Result<Vec<_>, _>>()?;
+    let named = || QUANTITIES.iter().zip(&results);
+    let object: Value = named().map(|(name, quantity)| (name.to_string(), quantity.object(&study))).collect();
+    let text: String = named().map(|(name, quantity)| quantity.text(name, &study)).collect();
+    arguments.answer(object, &text, &ASSUMED);
     Ok(())
 }
 
@@ -205,9 +175,7 @@ impl Quantity {
         );
         for place in order.into_iter().take(SHOWN) {
             let Indices { first, total } = self.indices[place];
-            let bounded = |e: mbs_ensemble::statistics::sensitivity::Estimate| {
-                format!("{:.3} ({:.3} to {:.3})", e.value, e.interval[0], e.interval[1])
-            };
+            let bounded = |e: Estimate| format!("{:.3} ({:.3} to {:.3})", e.value, e.interval[0], e.interval[1]);
             let (share, first, total) = (self.shares[place], bounded(first), bounded(total));
             text += &format!("  {:<20}  {share:<9.3}  {first:<26}  {total}\n", study.parameters[place].name());
         }

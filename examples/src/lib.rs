@@ -1,11 +1,12 @@
 //! What the examples share: their arguments, what they assume, the files they write, how they fail; the
-//! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw; and what `benches/`
-//! times, too.
+//! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw; what `benches/`
+//! times, too; and ensembles by a plan.
 
 pub mod arguments;
 pub mod arm_trajectory;
 pub mod assumed;
 pub mod chains;
+pub mod dispersion;
 pub mod figures;
 pub mod output;
 pub mod platform_dynamics;

@@ -3,11 +3,33 @@
 use mbs_derive::optimise::{self, Derivation};
 use mbs_derive::variable::component_names;
 
+/// What an argument of a function is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The time, `t`.
+    Time,
+    /// Prescribed signals, each with its two derivatives, `prescribed`.
+    Prescribed,
+    /// What programs distinguish: `q`, `qd`, `qdd`, `u`, `multipliers`.
+    Of(optimise::Argument),
+}
+
+impl Kind {
+    /// Its name in generated code.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kind::Time => "t",
+            Kind::Prescribed => "prescribed",
+            Kind::Of(argument) => argument.name(),
+        }
+    }
+}
+
 /// One argument of a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Argument {
-    /// `t`, `prescribed`, `q`, `qd`, `qdd`, `u` or `multipliers`.
-    pub name: &'static str,
+    /// What it is.
+    pub kind: Kind,
     /// The lengths of its axes: none of a number, `[signals, 3]` of prescribed signals with their derivatives.
     pub shape: Vec<usize>,
 }
@@ -25,16 +47,17 @@ impl Argument {
 /// If there is no function with this number.
 pub fn arguments(derivation: &Derivation, number: usize) -> Vec<Argument> {
     let signals = component_names(&derivation.prescribed).len();
-    let time = derivation.depends_on_time.then_some(("t", Vec::new()));
-    let prescribed = (signals > 0).then_some(("prescribed", vec![signals, 3]));
-    let declared = derivation.functions[number].arguments.iter().map(|argument| match argument {
-        optimise::Argument::Q => ("q", derivation.dof()),
-        optimise::Argument::Qd => ("qd", derivation.dof()),
-        optimise::Argument::Qdd => ("qdd", derivation.dof()),
-        optimise::Argument::U => ("u", component_names(&derivation.inputs).len()),
-        optimise::Argument::Multipliers => ("multipliers", derivation.constraints.len()),
+    let time = derivation.depends_on_time.then_some((Kind::Time, Vec::new()));
+    let prescribed = (signals > 0).then_some((Kind::Prescribed, vec![signals, 3]));
+    let declared = derivation.functions[number].arguments.iter().map(|&argument| {
+        let count = match argument {
+            optimise::Argument::Q | optimise::Argument::Qd | optimise::Argument::Qdd => derivation.dof(),
+            optimise::Argument::U => component_names(&derivation.inputs).len(),
+            optimise::Argument::Multipliers => derivation.constraints.len(),
+        };
+        (Kind::Of(argument), count)
     });
-    let declared = declared.filter(|(_, count)| *count > 0).map(|(name, count)| (name, vec![count]));
+    let declared = declared.filter(|(_, count)| *count > 0).map(|(kind, count)| (kind, vec![count]));
     let all = time.into_iter().chain(prescribed).chain(declared);
-    all.map(|(name, shape)| Argument { name, shape }).collect()
+    all.map(|(kind, shape)| Argument { kind, shape }).collect()
 }

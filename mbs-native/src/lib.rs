@@ -14,10 +14,10 @@ mod error;
 mod library;
 mod source;
 
-pub use argument::{Argument, arguments};
+pub use argument::{Argument, Kind, arguments};
 pub use compiler::Compilers;
 pub use error::{Misfit, NotCompiled};
-pub use library::{Instance, Library};
+pub use library::{Instance, Library, MOST};
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]

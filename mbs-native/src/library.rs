@@ -14,8 +14,8 @@ use crate::compiler::Compilers;
 use crate::error::{Misfit, NotCompiled};
 use crate::source::source;
 
-/// Arguments or results of one function, at most; a function with more is not compiled.
-pub(crate) const MOST: usize = 8;
+/// Arguments, or parts of the result, of one function, at most; a function with more is not compiled.
+pub const MOST: usize = 8;
 
 /// `(mechanism, states, arguments, their strides, results)`
 type Loop = unsafe extern "C" fn(*const c_void, usize, *const *const f64, *const usize, *const *mut f64);

@@ -6,7 +6,7 @@ use mbs_derive::emit::{Language, Options};
 use mbs_derive::optimise::{Derivation, Function, Shape};
 use mbs_derive::variable::component_names;
 
-use crate::argument::arguments;
+use crate::argument::{Kind, arguments};
 use crate::error::NotCompiled;
 use crate::library::MOST;
 
@@ -52,9 +52,9 @@ pub(crate) fn source(
 /// A function that calls another one at state after state.
 fn looped(derivation: &Derivation, number: usize, prefix: &str, function: &str) -> String {
     let declared = arguments(derivation, number);
-    let given = declared.iter().enumerate().map(|(i, argument)| match argument.name {
-        "t" => format!(", mbs_args[{i}][mbs_i * mbs_by[{i}]]"),
-        _ => format!(", mbs_args[{i}] + mbs_i * mbs_by[{i}]"),
+    let given = declared.iter().enumerate().map(|(i, argument)| match argument.kind {
+        Kind::Time => format!(", mbs_args[{i}][mbs_i * mbs_by[{i}]]"),
+        Kind::Prescribed | Kind::Of(_) => format!(", mbs_args[{i}] + mbs_i * mbs_by[{i}]"),
     });
     let given: String = given.collect();
     let parts = &derivation.functions[number].results;

@@ -250,7 +250,7 @@ impl Core {
             let arguments = function::arguments(derivation, number);
             entry.set_item("name", name)?;
             entry.set_item("docs", text(docs))?;
-            entry.set_item("arguments", arguments.into_iter().map(|a| (a.name, a.shape)).collect::<Vec<_>>())?;
+            entry.set_item("arguments", arguments.into_iter().map(|a| (a.kind.name(), a.shape)).collect::<Vec<_>>())?;
             let results = function.results.iter().map(|part| (part.name, kind(part.shape), function::axes(part.shape)));
             entry.set_item("results", results.collect::<Vec<_>>())?;
             entry.set_item("compiled", self.engine.is_compiled(number))?;

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use mbs_derive::interpret::{Interpreter, State};
-use mbs_derive::optimise::Derivation;
-use mbs_native::{Instance, Library};
+use mbs_derive::optimise::{self, Derivation};
+use mbs_native::{Instance, Kind, Library};
 use pyo3::prelude::*;
 
 use crate::function::Argument;
@@ -145,20 +145,20 @@ impl Engine {
             let mut multipliers = None;
             for (argument, (data, stride)) in self.arguments[number].iter().zip(arguments) {
                 let given = &data[(first + i) * stride..][..argument.count()];
-                match argument.name {
-                    "t" => state.t = given[0],
-                    "prescribed" => {
+                match argument.kind {
+                    Kind::Time => state.t = given[0],
+                    Kind::Prescribed => {
                         state
                             .prescribed
                             .iter_mut()
                             .zip(given.chunks(3))
                             .for_each(|(signal, x)| signal.copy_from_slice(x));
                     }
-                    "q" => state.q.copy_from_slice(given),
-                    "qd" => state.qd.copy_from_slice(given),
-                    "qdd" => state.qdd.copy_from_slice(given),
-                    "u" => state.u.copy_from_slice(given),
-                    _ => multipliers = Some(given),
+                    Kind::Of(optimise::Argument::Q) => state.q.copy_from_slice(given),
+                    Kind::Of(optimise::Argument::Qd) => state.qd.copy_from_slice(given),
+                    Kind::Of(optimise::Argument::Qdd) => state.qdd.copy_from_slice(given),
+                    Kind::Of(optimise::Argument::U) => state.u.copy_from_slice(given),
+                    Kind::Of(optimise::Argument::Multipliers) => multipliers = Some(given),
                 }
             }
             let found = interpreter.evaluate_with(function, &state, multipliers.unwrap_or_default());

@@ -2,7 +2,8 @@
 
 use std::sync::{Arc, RwLock};
 
-use mbs_derive::optimise::{FunctionKind, Shape};
+use mbs_derive::optimise::{self, FunctionKind, Shape};
+use mbs_native::Kind;
 pub(crate) use mbs_native::{Argument, arguments};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
@@ -46,7 +47,7 @@ impl Function {
         let results = derivation.functions[number].results.iter();
         let results = results.map(|part| (axes(part.shape), part.shape.entries())).collect();
         let of_motion = derivation.functions.iter().position(|f| f.kind == FunctionKind::Multipliers);
-        let takes = arguments.iter().any(|argument| argument.name == "multipliers");
+        let takes = arguments.iter().any(|argument| argument.kind == Kind::Of(optimise::Argument::Multipliers));
         let multipliers = of_motion.filter(|_| takes);
         let multipliers = multipliers.map(|number| Box::new(Function::new(engine, values, number, "multipliers")));
         let (engine, values) = (Arc::clone(engine), Arc::clone(values));
@@ -56,7 +57,7 @@ impl Function {
     fn called<'py>(&self, args: &Bound<'py, PyTuple>) -> PyResult<Vec<Bound<'py, PyAny>>> {
         let py = args.py();
         if args.len() != self.arguments.len() {
-            let names: Vec<&str> = self.arguments.iter().map(|argument| argument.name).collect();
+            let names: Vec<&str> = self.arguments.iter().map(|argument| argument.kind.name()).collect();
             let found = args.len();
             return Err(refused(format!("{}: expected the arguments {}, found {found}", self.name, names.join(", "))));
         }
@@ -66,14 +67,14 @@ impl Function {
             inputs.push(match &self.multipliers {
                 Some(function) if value.is_none() => {
                     // What it takes is among what this function takes, or zero.
-                    let given = |name| self.arguments.iter().position(|argument| argument.name == name);
-                    let given = function.arguments.iter().map(|a| given(a.name).and_then(|i| args.get_item(i).ok()));
+                    let given = |kind| self.arguments.iter().position(|argument| argument.kind == kind);
+                    let given = function.arguments.iter().map(|a| given(a.kind).and_then(|i| args.get_item(i).ok()));
                     let zeros = function.arguments.iter().map(|a| array::zeros(py, &a.shape).finished());
                     let given: Vec<_> = given.zip(zeros).map(|(given, zeros)| given.unwrap_or(zeros)).collect();
                     let value = found.insert(function.called(&PyTuple::new(py, given)?)?.remove(0));
-                    Input::of(argument.name, value)?
+                    Input::of(argument.kind.name(), value)?
                 }
-                _ => Input::of(argument.name, &value)?,
+                _ => Input::of(argument.kind.name(), &value)?,
             });
         }
         let batch = self.batch(&inputs, found.is_some())?;
@@ -112,7 +113,7 @@ impl Function {
     fn batch(&self, inputs: &[Input<'_>], multipliers_are_found: bool) -> PyResult<Vec<usize>> {
         let mut batch: Vec<usize> = Vec::new();
         for (argument, input) in self.arguments.iter().zip(inputs) {
-            let (name, shape) = (argument.name, input.shape());
+            let (name, shape) = (argument.kind.name(), input.shape());
             if !shape.ends_with(&argument.shape) {
                 let expected: Vec<String> = argument.shape.iter().map(|n| n.to_string()).collect();
                 let expected = if expected.is_empty() { String::new() } else { format!(", {}", expected.join(", ")) };

@@ -96,7 +96,7 @@ impl Equations {
         let number = self.number(kind);
         let (mut u, mut prescribed, zeros) = (Vec::new(), Vec::new(), vec![0.0; q.len()]);
         let wanted = function::arguments(&self.engine.derivation, number);
-        let wants = |name: &str| wanted.iter().any(|argument| argument.name == name);
+        let wants = |name: &str| wanted.iter().any(|argument| argument.kind.name() == name);
         let u_given = if wants("u") { self.u.at(t, Some((q, qd)), &mut u) } else { Ok(()) };
         let given = u_given.and_then(|()| match wants("prescribed") {
             true => self.prescribed.at(t, None, &mut prescribed),

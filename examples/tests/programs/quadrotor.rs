@@ -223,6 +223,16 @@ fn landings_of_a_plan_are_a_table() {
     assert!((mean - 13.25).abs() < 0.5 && deviation > 0.0, "{one}");
 }
 
+/// Whatever the sea and the sensors, it comes down at about the rate that is planned over the deck, 0.2 m/s.
+#[test]
+fn seas_and_sensors_are_drawn() {
+    let plan = Path::new(env!("CARGO_MANIFEST_DIR")).join("ensembles/landing_seas.toml");
+    let found = json(&good(SWEEP, &["--json", "--plan", plan.to_str().unwrap(), "--members", "24"]));
+    assert_eq!((&found["members"], &found["stopped"]), (&Value::from(24), &Value::from(0)));
+    let [mean, deviation] = ["mean", "sd"].map(|key| number(&found["relative_velocity"][key]));
+    assert!((mean + 0.2).abs() < 0.05 && deviation > 1e-3, "{found}");
+}
+
 #[test]
 fn wrong_usage_ends_with_2() {
     for arguments in [["--members", "1"], ["--members", "many"], ["--fast", "--json"]] {

@@ -1,8 +1,8 @@
 //! The functions that a motion asks for, compiled.
 
 use mbs_derive::interpret::State;
-use mbs_derive::optimise::{Derivation, Function, FunctionKind};
-use mbs_native::{Compilers, Instance, Library, Misfit, NotCompiled};
+use mbs_derive::optimise::{Argument, Derivation, Function, FunctionKind};
+use mbs_native::{Compilers, Instance, Kind, Library, MOST, Misfit, NotCompiled};
 
 use crate::cache::Cache;
 use crate::simulate::drive::FORMULA;
@@ -16,44 +16,15 @@ pub(crate) struct Native {
 
 /// What a function takes, in its order, and how many numbers each part of its result has.
 struct Call {
-    arguments: Vec<Given>,
+    arguments: Vec<Kind>,
     parts: Vec<usize>,
 }
 
 impl Call {
     fn takes_multipliers(&self) -> bool {
-        self.arguments.contains(&Given::Multipliers)
+        self.arguments.contains(&Kind::Of(Argument::Multipliers))
     }
 }
-
-/// Which numbers of a state an argument is.
-#[derive(Clone, Copy, PartialEq)]
-enum Given {
-    Time,
-    Prescribed,
-    Coordinates,
-    Velocities,
-    Accelerations,
-    Inputs,
-    Multipliers,
-}
-
-impl Given {
-    fn named(name: &str) -> Self {
-        match name {
-            "t" => Given::Time,
-            "prescribed" => Given::Prescribed,
-            "q" => Given::Coordinates,
-            "qd" => Given::Velocities,
-            "qdd" => Given::Accelerations,
-            "u" => Given::Inputs,
-            _ => Given::Multipliers,
-        }
-    }
-}
-
-/// Arguments or results of a function, at most.
-const MOST: usize = 8;
 
 impl Native {
     /// Compiles what motions ask for, unless an earlier call has.
@@ -72,7 +43,7 @@ impl Native {
             }
         };
         let call = |number: usize| Call {
-            arguments: mbs_native::arguments(derivation, number).iter().map(|a| Given::named(a.name)).collect(),
+            arguments: mbs_native::arguments(derivation, number).iter().map(|argument| argument.kind).collect(),
             parts: derivation.functions[number].results.iter().map(|part| part.shape.entries()).collect(),
         };
         let multipliers = derivation.functions.iter().position(|f| f.kind == FunctionKind::Multipliers);
@@ -137,15 +108,15 @@ impl Compiled<'_> {
         }
         let t = [state.t];
         let mut arguments: [(&[f64], usize); MOST] = [(&[], 0); MOST];
-        for (argument, given) in arguments.iter_mut().zip(&call.arguments) {
-            argument.0 = match given {
-                Given::Time => &t,
-                Given::Prescribed => state.prescribed.as_flattened(),
-                Given::Coordinates => &state.q,
-                Given::Velocities => &state.qd,
-                Given::Accelerations => &state.qdd,
-                Given::Inputs => &state.u,
-                Given::Multipliers => multipliers.unwrap_or(&of_motion),
+        for (argument, kind) in arguments.iter_mut().zip(&call.arguments) {
+            argument.0 = match kind {
+                Kind::Time => &t,
+                Kind::Prescribed => state.prescribed.as_flattened(),
+                Kind::Of(Argument::Q) => &state.q,
+                Kind::Of(Argument::Qd) => &state.qd,
+                Kind::Of(Argument::Qdd) => &state.qdd,
+                Kind::Of(Argument::U) => &state.u,
+                Kind::Of(Argument::Multipliers) => multipliers.unwrap_or(&of_motion),
             };
         }
         let mut parts: [&mut [f64]; MOST] = Default::default();

@@ -15,7 +15,7 @@ use super::import::Shared;
 use super::keyword::{CONTEXTUAL, STATEMENTS};
 use super::lexer;
 use super::quantity::{CONST, INPUT, PARAM, PRESCRIBED};
-use super::reader::{Parsed, Reader, Refused};
+use super::reader::{Parsed, Reader, Refused, is_of_file};
 use super::syntax::{Declaration, EnergyTerm, Import, Quantity, Span, Statement, StatementKind};
 use crate::diagnostic::{Code, Diagnostics, nearest};
 
@@ -73,11 +73,13 @@ pub(super) struct Head {
     /// Where `#![dimensionless]` stands.
     pub(super) dimensionless: Option<Span>,
     docs: Vec<String>,
+    /// The first of the comments `///` that it ends with: those of a statement, where one follows.
+    pub(super) of_statement: usize,
 }
 
 impl Reader<'_> {
     fn file(&mut self) -> Parsed<Declaration> {
-        let Head { dimensionless, docs } = self.head();
+        let Head { dimensionless, docs, .. } = self.head();
         self.mechanism_keyword()?;
         let name = self.declared_name("mechanism");
         if name.is_ok() && !self.opens('{') {
@@ -100,7 +102,7 @@ impl Reader<'_> {
 
     /// Documentation, `#![…]` and imports, in any order.
     pub(super) fn head(&mut self) -> Head {
-        let mut head = Head { dimensionless: None, docs: Vec::new() };
+        let mut head = Head { dimensionless: None, docs: Vec::new(), of_statement: self.at };
         loop {
             let start = self.next().start;
             if self.word().is_some_and(|text| text == "import") {
@@ -109,11 +111,15 @@ impl Reader<'_> {
                 }
             } else if !self.peek("#") {
                 return head;
-            } else if let Some((_, lines)) = self.doc() {
+            } else if let Some((span, lines)) = self.doc() {
                 head.docs.extend(lines);
+                if !is_of_file(&self.source[span]) {
+                    continue;
+                }
             } else if self.inner_attribute().is_ok() {
                 head.dimensionless = Some(start..self.last);
             }
+            head.of_statement = self.at;
         }
     }
 

@@ -111,7 +111,8 @@ impl<'s> Reader<'s> {
 
     /// Whether a line break stands between the last token and the next one.
     pub(super) fn begins_line(&self) -> bool {
-        self.source.get(self.last..self.next().start).is_some_and(|between| between.contains('\n'))
+        let is_first = self.last == 0;
+        is_first || self.source.get(self.last..self.next().start).is_some_and(|between| between.contains('\n'))
     }
 }
 
@@ -154,6 +155,12 @@ impl<'s> Reader<'s> {
         self.at = self.behind(self.at);
         self.last = self.tokens[self.at - 1].span().end;
         matches!(token.kind, Kind::Sign(";") | Kind::Open('{', _))
+    }
+
+    /// Goes back to a token that was read before, in the same group.
+    pub(super) fn back_to(&mut self, at: usize) {
+        self.at = at;
+        self.last = at.checked_sub(1).map_or(0, |before| self.tokens[before].span().end);
     }
 
     /// Enters the group that comes next; [`Reader::close`] leaves it.
@@ -239,7 +246,7 @@ impl Reader<'_> {
             match self.doc() {
                 Some((span, lines)) => {
                     let text = &self.source[span.clone()];
-                    if text.starts_with("//!") || text.starts_with("/*!") {
+                    if is_of_file(text) {
                         let error = self.errors.error(Code::Documentation, span, "this documents the whole file");
                         error.help("write `///`, or move it to the top of the file");
                     } else if trails && text.starts_with("///") {
@@ -297,6 +304,11 @@ impl Reader<'_> {
         };
         Some((token.span(), lines))
     }
+}
+
+/// Whether a comment of documentation is about the whole file.
+pub(super) fn is_of_file(comment: &str) -> bool {
+    comment.starts_with("//!") || comment.starts_with("/*!")
 }
 
 fn doc_line(text: &str) -> String {

@@ -40,13 +40,28 @@ fn paths_are_found_at_the_top() {
 fn what_is_imported_is_put_in_place() {
     let files = [
         ("m.mbs", "// a\nimport \"a.mbs\"; import \"t.csv\";\n\n/// d\nmechanism M {\n    coord x: m;\n}\n"),
-        ("a.mbs", "//! a\nfn f(x) = a[0]*x;\n/// Two.\nconst a[2]: m = [1, 2];"),
+        ("a.mbs", "//! a\n/// Two.\nconst a[2]: m = [1, 2];\nfn f(x) = a[0]*x;"),
         ("t.csv", "b [kg]\n3\n"),
     ];
-    let declared = "    fn f(x) = a[0]*x;\n    /// Two.\n    const a[2]: m = [1, 2];\n    const b[1]: kg = [3];\n";
+    let declared = "    /// Two.\n    const a[2]: m = [1, 2];\n    fn f(x) = a[0]*x;\n    const b[1]: kg = [3];\n";
     let whole = in_one_text(&gathered(&files)).unwrap();
     assert_eq!(whole, format!("// a\n/// d\nmechanism M {{\n{declared}    coord x: m;\n}}\n"));
     assert_eq!(in_one_text(&gathered(&[("m.mbs", &whole)])).unwrap(), whole);
+}
+
+/// `//!` is about the file, `///` about what follows it.
+#[test]
+fn the_first_statement_of_a_shared_file_has_its_documentation() {
+    for text in [
+        "/// Two.\nconst a: m = 2;",
+        "//! f\n/// Two.\nconst a: m = 2;",
+        "import \"b.mbs\";\n/// Two.\nconst a: m = 2;",
+    ] {
+        let files =
+            [("m.mbs", "import \"a.mbs\"; mechanism M { coord x: m; }"), ("a.mbs", text), ("b.mbs", "fn g(x) = x;")];
+        let whole = in_one_text(&gathered(&files)).unwrap();
+        assert!(whole.contains("/// Two.\n    const a: m = 2;") && !whole.contains("/// f"), "{text}\n{whole}");
+    }
 }
 
 #[test]
