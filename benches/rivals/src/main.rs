@@ -17,7 +17,7 @@ use mbs_runtime::{Integrator, SemiImplicitEuler, State};
 use numbers::Arm;
 
 mod symplex {
-    #![allow(clippy::all, unused_parens, unused_variables)] // as it was generated
+    #![allow(clippy::all, unused_parens, unused_variables, reason = "it is what symplex writes")]
     include!(concat!(env!("OUT_DIR"), "/symplex_arm6.rs"));
 }
 
