@@ -135,7 +135,7 @@ impl Reader<'_> {
             let error = self.errors.error(Code::Attribute, attribute, "this attribute belongs to a mechanism");
             error.help("leave it out: the mechanism that imports this file decides");
         }
-        self.back_to(head.of_statement);
+        self.begin_at(head.of_statement);
         let statements = self.statements();
         for statement in &statements {
             if !matches!(

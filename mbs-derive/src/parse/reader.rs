@@ -157,10 +157,9 @@ impl<'s> Reader<'s> {
         matches!(token.kind, Kind::Sign(";") | Kind::Open('{', _))
     }
 
-    /// Goes back to a token that was read before, in the same group.
-    pub(super) fn back_to(&mut self, at: usize) {
-        self.at = at;
-        self.last = at.checked_sub(1).map_or(0, |before| self.tokens[before].span().end);
+    /// Goes back to a token that was read before, in the same group, as if the text began there.
+    pub(super) fn begin_at(&mut self, at: usize) {
+        (self.at, self.last) = (at, 0);
     }
 
     /// Enters the group that comes next; [`Reader::close`] leaves it.
