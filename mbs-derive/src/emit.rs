@@ -2,6 +2,7 @@
 //!
 //! - `walk`: what all languages have in common: which statements stand where, with which names;
 //! - `body`: one function body: bindings, then the result; `statement`: what it is made of;
+//! - `links`: statements of one link together;
 //! - `angles`: which sines and cosines one call computes;
 //! - `expression`: values: order of operands, products that sums use;
 //! - `shape`: the components of results;
@@ -18,6 +19,7 @@ mod doc;
 mod expression;
 mod identifiers;
 mod language;
+mod links;
 mod name;
 mod rust;
 mod script;

@@ -11,8 +11,9 @@ use crate::optimise::{Instruction, Program, Value};
 
 use super::angles::{Angles, Wanted};
 use super::expression::Tree;
+use super::links;
 use super::name::{Names, Scope};
-pub(super) use super::statement::{Angle, Block, Component, Leaves, Statement};
+pub(super) use super::statement::{Angle, Block, Component, Leaves, Statement, locals};
 
 /// Operations and characters that one expression has at most.
 const LONGEST: (usize, usize) = (6, 60);
@@ -46,6 +47,8 @@ pub(super) struct Body<'n> {
     pub(super) convert: String,
     /// The names of the locals.
     pub(super) locals: Vec<String>,
+    /// The links that they belong to.
+    pub(super) links: Vec<Option<usize>>,
     /// How many parts of a name there are.
     parts: BTreeMap<String, usize>,
     /// Those that are computed on demand.
@@ -61,16 +64,16 @@ impl<'n> Body<'n> {
     pub(super) fn new(program: &Program, components: &[Component], names: &'n Names, mut scope: Scope) -> Self {
         let familiar = FAMILIAR.map(|(_, name)| scope.unique(name));
         let convert = scope.unique("c");
-        let (locals, parts, on_demand) = (Vec::new(), BTreeMap::new(), BTreeSet::new());
+        let (locals, links, parts, on_demand) = (Vec::new(), Vec::new(), BTreeMap::new(), BTreeSet::new());
         let (block, leaves) = (Block::default(), Leaves::default());
-        let body = Body { names, scope, familiar, convert, locals, parts, on_demand, block, leaves };
+        let body = Body { names, scope, familiar, convert, locals, links, parts, on_demand, block, leaves };
         let (program, components) = restricted(program, components);
         let mut writer = Writer::new(&program, &components, body);
         writer.write();
         writer.finish(&components)
     }
 
-    fn local(&mut self, wish: Wish) -> usize {
+    fn local(&mut self, wish: Wish, link: Option<usize>) -> usize {
         let name = match &wish {
             Wish::Name(name) => self.scope.exactly(name).unwrap_or_else(|| self.part(name)),
             Wish::PartOf(name) => self.part(name),
@@ -80,6 +83,7 @@ impl<'n> Body<'n> {
             }
         };
         self.locals.push(name);
+        self.links.push(link);
         self.locals.len() - 1
     }
 
@@ -194,6 +198,8 @@ struct Writer<'p, 'n> {
     splines: BTreeMap<(u32, Value), Vec<(usize, Value)>>,
     /// Names that values have as results, or where they were derived.
     wishes: BTreeMap<Value, String>,
+    /// The links that values with names belong to.
+    links: BTreeMap<Value, usize>,
     /// To what with a name each value contributes first.
     goals: Vec<Option<Value>>,
     /// The values that are known and not used up.
@@ -220,8 +226,10 @@ impl<'p, 'n> Writer<'p, 'n> {
                 }
             }
         }
+        let mut links = BTreeMap::new();
         for (value, name) in &program.notes {
             wishes.entry(*value).or_insert_with(|| name.clone());
+            links.extend(links::link(name).map(|link| (*value, link)));
         }
         let mut goals = vec![None; program.instructions.len()];
         for (i, instruction) in program.instructions.iter().enumerate().rev() {
@@ -241,7 +249,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         let splines = Self::splines(program, &mut uses);
         let (trees, statements) = (vec![None; uses.len()], vec![Vec::new(); program.regions.count()]);
         let (known, region) = (vec![false; uses.len()], Region::BODY);
-        Writer { program, uses, angles, splines, wishes, goals, trees, known, statements, region, body }
+        Writer { program, uses, angles, splines, wishes, links, goals, trees, known, statements, region, body }
     }
 
     /// The derivatives of a spline at one argument that are computed at one place, which use the argument once.
@@ -321,9 +329,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             let results = results.collect();
             Block { statements: std::mem::take(&mut self.statements[branch.sides[side].index()]), results }
         });
-        let wish = |&selection: &Value| self.wish(selection, &Tree::Constant(0.0));
-        let wishes: Vec<Wish> = selections.iter().map(wish).collect();
-        let locals: Vec<usize> = wishes.into_iter().map(|wish| self.body.local(wish)).collect();
+        let locals = self.locals(selections);
         for (selection, &local) in selections.iter().zip(&locals) {
             self.know(*selection, local);
         }
@@ -336,8 +342,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         if statements.is_empty() && tree.is_free() {
             return tree;
         }
-        let wish = self.wish(value, &tree);
-        let local = self.body.local(wish);
+        let local = self.local(value, &tree);
         self.body.on_demand.insert(local);
         self.region = place.region;
         self.push(Statement::OnDemand(local, Block { statements, results: vec![tree] }));
@@ -377,7 +382,7 @@ impl<'p, 'n> Writer<'p, 'n> {
             value.map(|value| {
                 let wish = words.as_ref().map(|words| Wish::Name(format!("{}_{words}", function.name())));
                 let wish = wish.unwrap_or_else(|| self.wish(value, &Tree::Constant(0.0)));
-                let local = self.body.local(wish);
+                let local = self.body.local(wish, None);
                 self.know(value, local);
                 local
             })
@@ -396,8 +401,7 @@ impl<'p, 'n> Writer<'p, 'n> {
     /// The locals that hold derivatives of these orders.
     fn spline_derivatives(&mut self, spline: u32, orders: Vec<usize>, values: &[Value], x: Tree) -> Vec<usize> {
         let table = self.body.names.spline(&self.program.splines[spline as usize]);
-        let wishes: Vec<Wish> = values.iter().map(|&value| self.wish(value, &Tree::Constant(0.0))).collect();
-        let locals: Vec<usize> = wishes.into_iter().map(|wish| self.body.local(wish)).collect();
+        let locals = self.locals(values);
         self.push(Statement::Spline { table, orders, locals: locals.clone(), x });
         locals
     }
@@ -483,10 +487,22 @@ impl<'p, 'n> Writer<'p, 'n> {
     }
 
     fn bind(&mut self, value: Value, tree: Tree) -> Tree {
-        let wish = self.wish(value, &tree);
-        let local = self.body.local(wish);
+        let local = self.local(value, &tree);
         self.push(Statement::Let(local, tree));
         Tree::Local(local)
+    }
+
+    /// A local for a value that a tree is of.
+    fn local(&mut self, value: Value, tree: &Tree) -> usize {
+        let wish = self.wish(value, tree);
+        let link = |value: Value| self.links.get(&value).copied();
+        let link = link(value).or_else(|| self.goals[value.index()].and_then(link));
+        self.body.local(wish, link)
+    }
+
+    /// Locals for values that are computed together.
+    fn locals(&mut self, values: &[Value]) -> Vec<usize> {
+        values.iter().map(|&value| self.local(value, &Tree::Constant(0.0))).collect()
     }
 
     /// What a value would be called: as a result, where it was derived, by what it is, by what it contributes to.
@@ -522,7 +538,8 @@ impl<'p, 'n> Writer<'p, 'n> {
             };
             self.body.block.results.push(tree);
         }
-        self.body.block.statements = self.statements.swap_remove(Region::BODY.index());
+        let statements = self.statements.swap_remove(Region::BODY.index());
+        self.body.block.statements = links::together(statements, &self.body.links);
         self.body.leaves = self.body.block.leaves();
         self.body
     }

@@ -74,7 +74,7 @@ fn printed(file: &syn::File, source: &str) -> String {
     format!("// {}\n\n{}", generated_from(source), spaced(&prettyplease::unparse(file)))
 }
 
-/// An empty line between items, which the formatter does not leave.
+/// The formatted text with comments, and an empty line between items, which the formatter does not leave.
 fn spaced(text: &str) -> String {
     let begins_item = |line: &str| ["///", "#[", "pub ", "impl", "fn "].iter().any(|start| line.starts_with(start));
     let mut spaced = String::with_capacity(text.len());
@@ -83,7 +83,7 @@ fn spaced(text: &str) -> String {
         if after_item && begins_item(line.trim_start()) {
             spaced.push('\n');
         }
-        spaced.push_str(line);
+        spaced.push_str(&syntax::unmarked(line));
         spaced.push('\n');
         after_item = line.trim_start() == "}";
     }

@@ -60,6 +60,16 @@ impl Statement {
             Statement::Branch(locals, ..) | Statement::Spline { locals, .. } => locals.clone(),
         }
     }
+
+    /// The locals that it reads, some of which blocks within it may bind.
+    pub(super) fn reads(&self) -> BTreeSet<usize> {
+        locals(self.trees())
+    }
+
+    /// The link that what it binds belongs to, by those of all locals.
+    pub(super) fn link(&self, links: &[Option<usize>]) -> Option<usize> {
+        self.binds().into_iter().find_map(|local| links[local])
+    }
 }
 
 /// An angle, and the locals that its sine and cosine are bound to, as far as they are read.
@@ -95,6 +105,18 @@ impl Block {
         self.trees().into_iter().for_each(|tree| tree.each_leaf(&mut found));
         leaves
     }
+}
+
+/// The locals in these expressions.
+pub(super) fn locals<'t>(trees: impl IntoIterator<Item = &'t Tree>) -> BTreeSet<usize> {
+    let mut found = BTreeSet::new();
+    let mut leaf = |leaf: &Tree| {
+        if let Tree::Local(local) = leaf {
+            found.insert(*local);
+        }
+    };
+    trees.into_iter().for_each(|tree| tree.each_leaf(&mut leaf));
+    found
 }
 
 /// What a body reads but locals.

@@ -17,7 +17,7 @@ use crate::variable::{self, Variable};
 use super::body::{Angle, Block, Body, Component, Statement};
 use super::expression::Tree;
 use super::name::{Names, Scope, snake_case};
-use super::{Options, doc, shape};
+use super::{Options, doc, links, shape};
 pub(super) use layout::{block_comment, defaults, if_else, indented};
 
 /// How a language is written.
@@ -60,9 +60,11 @@ pub(super) trait Syntax {
     fn begin(&self, reads: &[(&str, Place<'_>)], _body: &Body<'_>) -> Vec<String> {
         reads.iter().map(|(name, place)| self.bind(&self.identifier(name), &self.read(place))).collect()
     }
+    /// A comment on what follows.
+    fn comment(&self, text: &str) -> String;
     /// The statements of a block.
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
-        block.statements.iter().flat_map(|statement| writer.statement(statement)).collect()
+        writer.statements(block)
     }
     /// Gives a value a name.
     fn bind(&self, name: &str, value: &str) -> String;
@@ -446,6 +448,18 @@ impl<'d> Walk<'d> {
 }
 
 impl Writer<'_, '_> {
+    /// The lines of a block's statements, and before those of a link which one it is.
+    pub(super) fn statements(&self, block: &Block) -> Vec<String> {
+        let mut links = links::begins(&block.statements, &self.body.links);
+        block.statements.iter().enumerate().flat_map(|(i, one)| self.of_link(links.remove(&i), one)).collect()
+    }
+
+    /// The lines of a statement, after the link that begins with it.
+    pub(super) fn of_link(&self, link: Option<usize>, statement: &Statement) -> impl Iterator<Item = String> + use<> {
+        let comment = link.map(|link| self.syntax.comment(&format!("Link {link}.")));
+        comment.into_iter().chain(self.statement(statement))
+    }
+
     /// The lines of a statement.
     pub(super) fn statement(&self, statement: &Statement) -> Vec<String> {
         let syntax = self.syntax;

@@ -64,6 +64,10 @@ impl Syntax for C<'_, '_> {
         format!("mbs_{}({})", name.strip_prefix("own_").unwrap_or(name), arguments.join(", "))
     }
 
+    fn comment(&self, text: &str) -> String {
+        format!("// {text}")
+    }
+
     fn bind(&self, name: &str, value: &str) -> String {
         format!("const mbs_real {name} = {value};")
     }

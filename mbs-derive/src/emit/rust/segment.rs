@@ -11,8 +11,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::body::{Block, Statement};
+use super::super::body::{Block, Statement, locals};
 use super::super::expression::Tree;
+use super::super::links;
 use super::super::walk::Writer;
 
 /// Statements in one block.
@@ -23,21 +24,22 @@ const LONGEST: usize = 1000;
 pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
     let count = block.statements.len();
     if count <= LONGEST {
-        return block.statements.iter().flat_map(|statement| writer.statement(statement)).collect();
+        return writer.statements(block);
     }
     let length = count.div_ceil(count.div_ceil(LONGEST));
     let runs = block.statements.chunk_by(|a, b| !is_on_demand(a) && !is_on_demand(b));
     let pieces: Vec<&[Statement]> = runs.flat_map(|run| run.chunks(length)).collect();
     let leaving = leaving(&pieces, &block.results);
     let names: Vec<&str> = leaving.iter().map(|local| writer.body.locals[*local].as_str()).collect();
+    let (mut links, mut numbers) = (links::begins(&block.statements, &writer.body.links), 0..);
     let blocks = pieces.iter().map(|piece| {
-        let lines = piece.iter().flat_map(|statement| {
+        let lines = piece.iter().zip(numbers.by_ref()).flat_map(|(statement, i)| {
             let leaves = statement.binds().iter().any(|local| leaving.contains(local));
             let assigned = move |line: String| match line.strip_prefix("let ") {
                 Some(assignment) if leaves => assignment.to_string(),
                 _ => line,
             };
-            writer.statement(statement).into_iter().map(assigned)
+            writer.of_link(links.remove(&i), statement).map(assigned)
         });
         let lines = lines.collect::<Vec<_>>().join("\n");
         if piece.iter().any(is_on_demand) { lines } else { format!("{{ {lines} }}") }
@@ -58,22 +60,9 @@ fn leaving(pieces: &[&[Statement]], results: &[Tree]) -> BTreeSet<usize> {
     let mut read_outside = BTreeSet::new();
     for (i, statement) in numbered() {
         let outside = |local: &usize| blocks.get(local).is_some_and(|&block| block != i);
-        read_outside.extend(locals(statement.trees()).into_iter().filter(outside));
+        read_outside.extend(statement.reads().into_iter().filter(outside));
     }
-    read_outside.extend(locals(results.iter().collect()).into_iter().filter(|local| blocks.contains_key(local)));
+    read_outside.extend(locals(results).into_iter().filter(|local| blocks.contains_key(local)));
     let leaves = |statement: &&Statement| statement.binds().iter().any(|local| read_outside.contains(local));
     numbered().map(|(_, statement)| statement).filter(leaves).flat_map(Statement::binds).collect()
-}
-
-/// The locals in these expressions.
-fn locals(trees: Vec<&Tree>) -> BTreeSet<usize> {
-    let mut found = BTreeSet::new();
-    trees.into_iter().for_each(|tree| {
-        tree.each_leaf(&mut |leaf| {
-            if let Tree::Local(local) = leaf {
-                found.insert(*local);
-            }
-        });
-    });
-    found
 }

@@ -37,6 +37,18 @@ pub(super) fn literal(value: f64) -> String {
     format!("{value:?}")
 }
 
+/// What stands for a comment among tokens, which have none.
+fn marked(comment: &str) -> String {
+    format!("comment!({comment:?});")
+}
+
+/// A line of the formatted text, with the comment that is marked in it.
+pub(super) fn unmarked(line: &str) -> String {
+    let comment = |line: &str| Some(line.trim_start().strip_prefix("comment!(\"")?.strip_suffix("\");")?.to_string());
+    let indent = &line[..line.len() - line.trim_start().len()];
+    comment(line).map_or_else(|| line.to_string(), |comment| format!("{indent}// {comment}"))
+}
+
 /// A literal, or π.
 pub(super) fn number(value: f64) -> String {
     if value == std::f64::consts::PI { "::core::f64::consts::PI".to_string() } else { literal(value) }
@@ -155,6 +167,10 @@ impl Syntax for Rust<'_, '_> {
         let state = [("q", n), ("qd", n), ("qdd", n), ("u", inputs)].into_iter().filter_map(taken);
         let others = [prescribed(), taken(("multipliers", rows)), fields(), parameters];
         state.chain(others.into_iter().flatten()).chain(constants(body)).collect()
+    }
+
+    fn comment(&self, text: &str) -> String {
+        marked(text)
     }
 
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {

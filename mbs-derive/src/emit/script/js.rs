@@ -70,6 +70,10 @@ impl Syntax for Js {
         }
     }
 
+    fn comment(&self, text: &str) -> String {
+        format!("// {text}")
+    }
+
     fn bind(&self, name: &str, value: &str) -> String {
         format!("const {name} = {value};")
     }

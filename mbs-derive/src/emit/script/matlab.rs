@@ -105,6 +105,10 @@ impl Syntax for Matlab {
         }
     }
 
+    fn comment(&self, text: &str) -> String {
+        format!("% {text}")
+    }
+
     fn bind(&self, name: &str, value: &str) -> String {
         format!("{name} = {value};")
     }

@@ -126,6 +126,10 @@ impl Syntax for Python {
         }
     }
 
+    fn comment(&self, text: &str) -> String {
+        format!("# {text}")
+    }
+
     fn bind(&self, name: &str, value: &str) -> String {
         format!("{name} = {value}")
     }
