@@ -6,13 +6,12 @@
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
-use mbs_examples::{print, println};
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use mbs_arm::assistive::{Admittance, balancing_rates};
 use mbs_chart::{Figure, Line, Panel};
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::assistive_arm::{AssistiveArm, Params};
 use mbs_runtime::{Dop853, Integrator, State};
 use serde_json::{Value, json};
@@ -45,35 +44,31 @@ fn main() -> Result<(), Failure> {
     let balanced = Params { rate: balancing_rates(&bare), ..bare };
     let lighter = Params { rate: balancing_rates(&Params { payload: bare.payload - EXCESS, ..bare }), ..bare };
     let runs = [run("without springs", bare)?, run("balanced", balanced)?, run("0.3 kg too heavy", lighter)?];
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         write(folder, &runs)?;
     }
-    if arguments.json {
-        let row = |run: &Run| {
-            (
-                run.name.to_string(),
-                json!({ "holding_torque": run.samples[0].2, "peak_torque": peak(run), "way": way(run) }),
-            )
-        };
-        let all = json!({ "rates": balanced.rate, "runs": runs.iter().map(row).collect::<Value>() });
-        println!("{}", assumed::with(all, &ASSUMED));
-        return Ok(());
-    }
-    let [first, second] = balanced.rate;
-    println!(
-        "An assistive arm with a forearm of {} kg; springs of {first:.0} and {second:.0} N/m balance it.\n",
-        bare.payload
+    let row = |run: &Run| {
+        let values = json!({ "holding_torque": run.samples[0].2, "peak_torque": peak(run), "way": way(run) });
+        (run.name.to_string(), values)
+    };
+    let results = json!({ "rates": balanced.rate, "runs": runs.iter().map(row).collect::<Value>() });
+    arguments.answer(results, &text(&balanced, &runs), &ASSUMED);
+    Ok(())
+}
+
+fn text(balanced: &Params<f64>, runs: &[Run; 3]) -> String {
+    let (payload, [first, second]) = (balanced.payload, balanced.rate);
+    let mut text = format!(
+        "An assistive arm with a forearm of {payload} kg; springs of {first:.0} and {second:.0} N/m balance it.\n\n\
+         \x20                    peak torques of the motors [N·m]            way of the hand [m]\n\
+         \x20                     yaw 1    yaw 2   lift 1   lift 2          x        y        z\n"
     );
-    println!("                     peak torques of the motors [N·m]            way of the hand [m]");
-    println!("                      yaw 1    yaw 2   lift 1   lift 2          x        y        z");
-    for run in &runs {
+    for run in runs {
         let torques = peak(run).map(|torque| format!("{torque:9.3}")).concat();
         let way = way(run).map(|metres| format!("{metres:9.4}")).concat();
-        println!("{:18}{torques}   {way}", run.name);
+        text += &format!("{:18}{torques}   {way}\n", run.name);
     }
-    print!("{}", assumed::text(&ASSUMED));
-    Ok(())
+    text
 }
 
 /// The person's force at the hand \[N\].
@@ -148,11 +143,10 @@ fn write(folder: &Path, runs: &[Run; 3]) -> Result<(), Failure> {
     ];
     let title = "An assistive arm in a person's hand".to_string();
     output::write_figure(folder, "assistive_arm", &Figure { title, size: (900, 860), panels }, &ASSUMED)?;
-    let mut header = ["t_s", "x_m", "y_m", "z_m"].map(String::from).to_vec();
-    header.extend(runs.iter().map(|run| format!("lift_{}_Nm", run.name.replace(' ', "_"))));
+    let lifts = runs.each_ref().map(|run| format!(" lift_{}_Nm", run.name.replace(' ', "_"))).concat();
     let row = |k: usize| {
         let (t, place, _) = runs[1].samples[k];
         [&[t][..], &place, &runs.each_ref().map(|run| run.samples[k].2[2])].concat()
     };
-    output::write_table(folder, "assistive_arm", &header, (0..=SAMPLES).map(row))
+    output::write_table(folder, "assistive_arm", &format!("t_s x_m y_m z_m{lifts}"), (0..=SAMPLES).map(row))
 }

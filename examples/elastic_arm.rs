@@ -7,7 +7,6 @@
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
-use mbs_examples::{print, println};
 use std::ops::ControlFlow;
 use std::path::Path;
 
@@ -16,7 +15,7 @@ use mbs_arm::trajectory::{Motion, quartic, quintic};
 use mbs_arm::{Arm, JointVector};
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::arm_trajectory::cases;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_runtime::{Dop853, Integrator, State};
 use serde_json::json;
 
@@ -46,22 +45,17 @@ fn main() -> Result<(), Failure> {
     let weight = -arm.model.params().g * PAYLOAD;
     let sinks = elastic.compliance(&stop).map(|row| row[2] * weight);
     let curves = [("quartic", by_quartic), ("quintic", by_quintic)];
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         write(folder, &curves)?;
     }
     let [quartic, quintic] = curves.each_ref().map(|(_, ringing)| swing(ringing));
-    if arguments.json {
-        let all = json!({
-            "natural_frequencies_hz": frequencies,
-            "payload": PAYLOAD,
-            "deflection": sinks,
-            "swing_after_stop": { "quartic": quartic, "quintic": quintic },
-        });
-        println!("{}", assumed::with(all, &ASSUMED));
-    } else {
-        print!("{}{}", text(&frequencies, &sinks, [quartic, quintic]), assumed::text(&ASSUMED));
-    }
+    let results = json!({
+        "natural_frequencies_hz": frequencies,
+        "payload": PAYLOAD,
+        "deflection": sinks,
+        "swing_after_stop": { "quartic": quartic, "quintic": quintic },
+    });
+    arguments.answer(results, &text(&frequencies, &sinks, [quartic, quintic]), &ASSUMED);
     Ok(())
 }
 
@@ -134,7 +128,6 @@ fn write(folder: &Path, curves: &[(&str, Ringing); 2]) -> Result<(), Failure> {
     let panel = Panel::curves(labels, -BEFORE..BEHIND, curves.iter().map(line).collect());
     let title = "The flange of an arm with elastic joints, case 1".to_string();
     output::write_figure(folder, "elastic_arm", &Figure { title, size: (900, 560), panels: vec![panel] }, &ASSUMED)?;
-    let header = ["t_s", "quartic_m", "quintic_m"].map(String::from);
     let rows = curves[0].1.iter().zip(&curves[1].1).map(|((t, first), (_, second))| vec![*t, *first, *second]);
-    output::write_table(folder, "elastic_arm", &header, rows)
+    output::write_table(folder, "elastic_arm", "t_s quartic_m quintic_m", rows)
 }

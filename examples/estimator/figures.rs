@@ -57,23 +57,22 @@ pub(crate) fn write(folder: &Path, case: &Case, heave: Heave<4>) -> Result<(), F
     write_table(folder, name, &flight)
 }
 
+/// What errs along three axes, with its unit.
+const AXES: [(&str, &str); 5] =
+    [("place", "m"), ("velocity", "m_s"), ("attitude", "rad"), ("gyro_bias", "rad_s"), ("accelerometer_bias", "m_s2")];
+
 fn write_table(folder: &Path, case: &str, flight: &Flight) -> Result<(), Failure> {
-    let axes = |what: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{what}_{axis}_{unit}"));
-    let names = [
-        axes("place", "m"),
-        axes("velocity", "m_s"),
-        axes("attitude", "rad"),
-        axes("gyro_bias", "rad_s"),
-        axes("accelerometer_bias", "m_s2"),
-    ]
-    .concat();
-    let of = |kind: &str| names.iter().map(|name| format!("{kind}_{name}")).collect::<Vec<_>>();
-    let header = [vec!["t_s".to_string()], of("error"), of("sd")].concat();
+    let mut words = "t_s".to_string();
+    for kind in ["error", "sd"] {
+        for (what, unit) in AXES {
+            words += &["x", "y", "z"].map(|axis| format!(" {kind}_{what}_{axis}_{unit}")).concat();
+        }
+    }
     let rows = flight
         .moments
         .iter()
         .map(|(t, errors, deviations)| [&[*t][..], errors.as_slice(), deviations.as_slice()].concat());
-    output::write_table(folder, &format!("estimator_{case}"), &header, rows)
+    output::write_table(folder, &format!("estimator_{case}"), &words, rows)
 }
 
 /// There and back, with a gap in between.

@@ -27,15 +27,13 @@ pub(crate) fn write(folder: &Path, case: &Case) -> Result<(), Failure> {
         &Figure { title, size: (1100, 850), panels: planning(case) },
         &crate::assumed_keys(),
     )?;
-    let header = ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad", "deck_m", "visibility_m", "tilt_rad"];
-    let header: Vec<String> =
-        header.into_iter().map(String::from).chain((1..=4).map(|i| format!("rotor{i}_rad_s"))).collect();
+    let words = "t_s x_m y_m z_m phi_rad theta_rad psi_rad deck_m visibility_m tilt_rad rotor[1-4]_rad_s";
     for (kind, flights) in [("shortest", &case.replanned), ("predictive", &case.predictive)] {
         for (air, flown) in ["calm", "windy"].into_iter().zip(flights) {
             let row = |m: &Moment| {
                 [&[m.time][..], &m.state.q, &[m.deck.position[2], m.visibility, m.tilt], &m.speeds].concat()
             };
-            output::write_table(folder, &format!("mpc_{kind}_{name}_{air}"), &header, kept(flown).map(row))?;
+            output::write_table(folder, &format!("mpc_{kind}_{name}_{air}"), words, kept(flown).map(row))?;
         }
     }
     Ok(())

@@ -19,7 +19,7 @@ pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) ->
         return output::write_figures(folder, &thesis::drawn(flight, legs));
     }
     let drawn = at_sea(flight, legs);
-    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::ASSUMED))
+    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::assumed_keys()))
 }
 
 fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
@@ -127,32 +127,27 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
         let deck = if on_platform.case == MARINE { "deck at sea".to_string() } else { case.replace('_', " ") };
         let title = format!("The platform under control, {deck}, {how}");
         let name = format!("{case}_platform_{name}");
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::ASSUMED)?;
-        let mut header: Vec<String> = ["t_s", "z_m", "height_m"].map(String::from).into();
-        for coordinates in ["platform", "planned"] {
-            header
-                .extend(["x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad"].map(|c| format!("{coordinates}_{c}")));
-        }
-        header.extend(leg_header());
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::assumed_keys())?;
+        let pose = |of: &str| POSE.split(' ').map(|word| format!(" {of}_{word}")).collect::<String>();
+        let words = format!("t_s z_m height_m{}{} {LEGS}", pose("platform"), pose("planned"));
         let row = |m: &DrivenMoment| {
             let height = m.deck.relative(&m.vehicle.q, &m.vehicle.qd).offset[2];
             let LegState { length, rate, force } = m.legs;
             [&[m.time, m.vehicle.q[2], height][..], &m.platform.q, &plan(m), &length, &rate, &force].concat()
         };
-        output::write_table(folder, &name, &header, moments.iter().map(row))?;
+        output::write_table(folder, &name, &words, moments.iter().map(row))?;
     }
     Ok(())
 }
 
-fn leg_header() -> impl Iterator<Item = String> {
-    ["length_m", "rate_m_s", "force_N"].into_iter().flat_map(|what| (1..=6).map(move |leg| format!("leg{leg}_{what}")))
-}
+/// Columns of a pose, and of what the legs do.
+const POSE: &str = "x_m y_m z_m phi_rad theta_rad psi_rad";
+const LEGS: &str = "leg[1-6]_length_m leg[1-6]_rate_m_s leg[1-6]_force_N";
 
 /// `NAME_legs.csv`: what the legs do where the platform moves exactly as it is to.
 pub(crate) fn write_legs(folder: &Path, case: &str, legs: &[(f64, LegState)]) -> Result<(), Failure> {
-    let header: Vec<String> = ["t_s".to_string()].into_iter().chain(leg_header()).collect();
     let row = |(t, legs): &(f64, LegState)| [&[*t][..], &legs.length, &legs.rate, &legs.force].concat();
-    output::write_table(folder, &format!("{}_legs", table_name(case)), &header, legs.iter().map(row))
+    output::write_table(folder, &format!("{}_legs", table_name(case)), &format!("t_s {LEGS}"), legs.iter().map(row))
 }
 
 fn table_name(case: &str) -> String {
@@ -160,11 +155,9 @@ fn table_name(case: &str) -> String {
 }
 
 pub(crate) fn write_table(folder: &Path, flight: &Flight) -> Result<(), Failure> {
-    let mut header: Vec<String> =
-        ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad"].map(String::from).into();
-    header.extend(["vx_m_s", "vy_m_s", "vz_m_s", "phi_dot", "theta_dot", "psi_dot"].map(String::from));
-    header.extend(["platform_m", "thrust_N", "rotor1_N", "rotor2_N", "rotor3_N", "rotor4_N"].map(String::from));
+    let rates = "vx_m_s vy_m_s vz_m_s phi_dot theta_dot psi_dot";
+    let words = format!("t_s {POSE} {rates} platform_m thrust_N rotor[1-4]_N");
     let row = |m: &Moment| [&[m.t][..], &m.state.q, &m.state.qd, &[m.platform, m.thrust], &m.rotor_thrust].concat();
     let name = format!("{}_{}", table_name(flight.case), flight.kind.name());
-    output::write_table(folder, &name, &header, flight.moments.iter().map(row))
+    output::write_table(folder, &name, &words, flight.moments.iter().map(row))
 }

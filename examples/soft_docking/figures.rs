@@ -88,41 +88,17 @@ fn curves(x_label: &str, y_label: &str, lines: Vec<(&str, Points)>) -> Panel {
 }
 
 fn tables(folder: &Path, flight: &Flight, burns: &[Burn]) -> Result<(), Failure> {
-    let header = [
-        "t_s",
-        "depth_m",
-        "left_m",
-        "above_m",
-        "closing_m_s",
-        "tilt_rad",
-        "roll_rad",
-        "impulse_N_s",
-        "plume_N_s",
-        "ring_N",
-        "energy_J",
-    ];
+    let ports = "depth_m left_m above_m closing_m_s tilt_rad roll_rad";
+    let words = format!("t_s {ports} impulse_N_s plume_N_s ring_N energy_J");
     let row = |m: &Moment| {
-        let ports = &m.ports;
-        let place = &ports.place;
-        vec![
-            m.time,
-            place[0],
-            place[1],
-            place[2],
-            ports.closing(),
-            ports.tilt,
-            ports.roll,
-            m.impulse,
-            m.plume,
-            m.ring,
-            m.energy,
-        ]
+        let ports = [m.ports.closing(), m.ports.tilt, m.ports.roll];
+        [&[m.time][..], &m.ports.place, &ports, &[m.impulse, m.plume, m.ring, m.energy]].concat()
     };
-    output::write_table(folder, "soft_docking_way", &header.map(String::from), flight.moments.iter().map(row))?;
-    let header = ["thrust_N", "first_s", "second_s", "gravity_loss_m_s", "periapsis_too_low_m", "apoapsis_too_low_m"];
+    output::write_table(folder, "soft_docking_way", &words, flight.moments.iter().map(row))?;
+    let words = "thrust_N first_s second_s gravity_loss_m_s periapsis_too_low_m apoapsis_too_low_m";
     let row = |burn: &Burn| {
         let raise = &burn.raise;
         [&[burn.thrust][..], &raise.durations, &[raise.gravity_loss], &raise.too_low].concat()
     };
-    output::write_table(folder, "soft_docking_burns", &header.map(String::from), burns.iter().map(row))
+    output::write_table(folder, "soft_docking_burns", words, burns.iter().map(row))
 }

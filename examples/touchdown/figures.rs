@@ -43,10 +43,8 @@ pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
         &Figure { title, size: (900, 900), panels },
         &crate::assumed_keys(),
     )?;
-    let header = ["t_s", "z_m"].map(String::from).into_iter();
-    let header: Vec<String> = header.chain((1..=4).map(|leg| format!("leg{leg}_N"))).collect();
     let row = |m: &Moment| [&[m.time, m.vehicle.q[2]][..], &m.contact.normal].concat();
-    output::write_table(folder, &format!("touchdown_{name}"), &header, moments.iter().map(row))
+    output::write_table(folder, &format!("touchdown_{name}"), "t_s z_m leg[1-4]_N", moments.iter().map(row))
 }
 
 /// `touchdown_NAME_platform`: what the feet do to the deck, and the platform's legs before, at and after the impact.
@@ -69,8 +67,11 @@ pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<
         &Figure { title, size: (900, 900), panels },
         &crate::assumed_keys(),
     )?;
-    let header = ["t_s", "contact_N", "off_m"].map(String::from).into_iter();
-    let header: Vec<String> = header.chain((1..=6).map(|leg| format!("leg{leg}_N"))).collect();
     let row = |legs: &Legs| [&[legs.time, legs.contact, legs.off][..], &legs.forces].concat();
-    output::write_table(folder, &format!("touchdown_{name}_platform"), &header, legs.iter().map(row))
+    output::write_table(
+        folder,
+        &format!("touchdown_{name}_platform"),
+        "t_s contact_N off_m leg[1-6]_N",
+        legs.iter().map(row),
+    )
 }
