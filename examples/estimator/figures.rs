@@ -42,13 +42,8 @@ pub(crate) fn write(folder: &Path, case: &Case, heave: Heave<4>) -> Result<(), F
     let flight = Flight::of(heave, 0)?;
     let name = case.name;
     let figure = |key: &str, what: &str, size: (u32, u32), panels: Vec<Panel>| {
-        let title = format!("{what}, case {name}");
-        output::write_figure(
-            folder,
-            &format!("estimator_{key}_{name}"),
-            &Figure { title, size, panels },
-            &crate::assumed_keys(),
-        )
+        let figure = Figure { title: format!("{what}, case {name}"), size, panels };
+        output::write_figure(folder, &format!("estimator_{key}_{name}"), &figure, &crate::assumed_keys())
     };
     figure("errors", "Errors of one estimate and ±3σ as the filter states them", (1100, 1150), errors(&flight))?;
     figure("consistency", "Averages over landings of normalized squares", (900, 900), consistency(&case.runs))?;

@@ -28,12 +28,8 @@ pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Re
     let figure = Figure { title, size: (900, 1500), panels: panels.into_iter().flatten().collect() };
     output::write_figure(folder, "minimum_effort", &figure, &crate::ASSUMED)?;
     let title = "Time against effort of the arm's motion".to_string();
-    output::write_figure(
-        folder,
-        "pareto",
-        &Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] },
-        &crate::ASSUMED,
-    )
+    let figure = Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] };
+    output::write_figure(folder, "pareto", &figure, &crate::ASSUMED)
 }
 
 fn pareto(comparison: &Comparison, front: &Front) -> Panel {

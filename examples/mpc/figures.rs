@@ -13,20 +13,13 @@ use crate::flights::{Case, Flown, kept};
 /// `mpc_landing_CASE`, `mpc_planning_CASE`, and the curves as numbers.
 pub(crate) fn write(folder: &Path, case: &Case) -> Result<(), Failure> {
     let name = case.name;
+    let write = |what: &str, title: String, height: u32, panels: Vec<Panel>| {
+        let figure = Figure { title, size: (1100, height), panels };
+        output::write_figure(folder, &format!("mpc_{what}_{name}"), &figure, &crate::assumed_keys())
+    };
     let title = format!("Landings of case {name}: the shortest, planned anew, and predictive control");
-    output::write_figure(
-        folder,
-        &format!("mpc_landing_{name}"),
-        &Figure { title, size: (1100, 1250), panels: landing(case) },
-        &crate::assumed_keys(),
-    )?;
-    let title = format!("Case {name}: what plans say, and how long they take");
-    output::write_figure(
-        folder,
-        &format!("mpc_planning_{name}"),
-        &Figure { title, size: (1100, 850), panels: planning(case) },
-        &crate::assumed_keys(),
-    )?;
+    write("landing", title, 1250, landing(case))?;
+    write("planning", format!("Case {name}: what plans say, and how long they take"), 850, planning(case))?;
     let words = "t_s x_m y_m z_m phi_rad theta_rad psi_rad deck_m visibility_m tilt_rad rotor[1-4]_rad_s";
     for (kind, flights) in [("shortest", &case.replanned), ("predictive", &case.predictive)] {
         for (air, flown) in ["calm", "windy"].into_iter().zip(flights) {

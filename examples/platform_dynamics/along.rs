@@ -203,12 +203,8 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
     // The combined case is five times as long as the others.
     let (periodic, combined) = courses.split_at(courses.len() - 1);
     let title = format!("Sensitivity of {output} to {parameter}, payload {PAYLOAD_OF_TABLE_4} kg");
-    output::write_figure(
-        folder,
-        &name,
-        &Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] },
-        &ASSUMED,
-    )?;
+    let figure = Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] };
+    output::write_figure(folder, &name, &figure, &ASSUMED)?;
     let row = |course: &Course, &(t, value): &(f64, f64)| vec![course.number as f64, t, value];
     let rows = courses.iter().flat_map(|course| course.points.iter().map(|point| row(course, point)));
     output::write_records(folder, &name, ["case".to_string(), "t [s]".to_string(), label.clone()], rows)

@@ -37,30 +37,15 @@ fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
     let figure = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
         (format!("{MARINE}_{name}"), Figure { title: format!("Deck at sea: {what}"), size: (1100, height), panels })
     };
+    let elevations = vec![over("z [m]", &elevation), over("height over the deck [m]", &height)];
+    let attitudes = vec![over("angle [°]", &ANGLES), over("against the deck [°]", &against_deck)];
+    let rotors = [over("thrust of a rotor [N]", &ROTORS), over("thrust asked for [N]", &total)];
+    let forces = rotors.into_iter().chain([Panel::over_time("force of a leg [N]", time.clone(), leg_forces)]);
     vec![
         figure("path", "path of the quadrotor", 800, path(flight)),
-        figure(
-            "elevation",
-            "elevation",
-            800,
-            vec![over("z [m]", &elevation), over("height over the deck [m]", &height)],
-        ),
-        figure(
-            "attitude",
-            "attitude",
-            800,
-            vec![over("angle [°]", &ANGLES), over("against the deck [°]", &against_deck)],
-        ),
-        figure(
-            "forces",
-            "forces of the rotors and of the platform's legs",
-            1000,
-            vec![
-                over("thrust of a rotor [N]", &ROTORS),
-                over("thrust asked for [N]", &total),
-                Panel::over_time("force of a leg [N]", time.clone(), leg_forces),
-            ],
-        ),
+        figure("elevation", "elevation", 800, elevations),
+        figure("attitude", "attitude", 800, attitudes),
+        figure("forces", "forces of the rotors and of the platform's legs", 1000, forces.collect()),
     ]
 }
 
@@ -109,19 +94,12 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
         if driven.greatest_error.angle > 1e-9 {
             errors.push(Line::new("angle [mrad]", of(&|m| 1e3 * error(m).angle)));
         }
+        let legs = |of: fn(&LegState) -> LegVector| leg_lines(moments.iter().map(|m| (m.time, of(&m.legs))));
         let panels = vec![
             Panel::over_time("elevation [m]", 0.0..end, elevations),
             Panel::over_time("off by", 0.0..end, errors),
-            Panel::over_time(
-                "length of a leg [m]",
-                0.0..end,
-                leg_lines(moments.iter().map(|m| (m.time, m.legs.length))),
-            ),
-            Panel::over_time(
-                "force asked for [N]",
-                0.0..end,
-                leg_lines(moments.iter().map(|m| (m.time, m.legs.force))),
-            ),
+            Panel::over_time("length of a leg [m]", 0.0..end, legs(|legs| legs.length)),
+            Panel::over_time("force asked for [N]", 0.0..end, legs(|legs| legs.force)),
         ];
         let how = if name == "full" { "motion in full, raised".to_string() } else { format!("motion × {scale:.3}") };
         let deck = if on_platform.case == MARINE { "deck at sea".to_string() } else { case.replace('_', " ") };

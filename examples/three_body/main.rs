@@ -36,11 +36,10 @@ fn main() -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        let mut libration = serde_json::Map::new();
-        let mut growth = serde_json::Map::new();
+        let (mut libration, mut growth) = (json!({}), json!({}));
         for (name, mu) in PAIRS {
-            libration.insert(name.into(), json!(points(mu)?));
-            growth.insert(name.into(), json!(growths(mu)?));
+            libration[name] = json!(points(mu)?);
+            growth[name] = json!(growths(mu)?);
         }
         let asteroids: Value = asteroids
             .iter()
