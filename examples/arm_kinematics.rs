@@ -8,7 +8,7 @@
 use mbs_arm::inverse::Solution;
 use mbs_arm::jacobian::{self, Jacobian};
 use mbs_arm::{Arm, JointLimits, JointVector, printed};
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 use mbs_examples::{print, println};
 use mbs_runtime::Pose;
 use serde_json::{Value, json};
@@ -30,8 +30,7 @@ const ASSUMED: [&str; 4] = ["gravity", "arm.masses", "arm.mass_centres", "arm.in
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("arm_kinematics.rs"));
     let report = Report::new(&Arm::default())?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         std::fs::write(
             folder.join("arm_kinematics.json"),
             format!("{:#}\n", assumed::with(report.to_json(), &ASSUMED)),

@@ -5,7 +5,6 @@
 //!
 //! `--out DIR` draws the drift over time (SVG and PNG).
 
-use mbs_examples::println;
 use std::ops::ControlFlow;
 
 use mbs_chart::{Figure, Line, Panel};
@@ -23,23 +22,18 @@ const LEAST: f64 = 1e-17;
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("double_pendulum_energy.rs"));
     let runs: Vec<Run> = [1e-6, 1e-8, 1e-10, 1e-12].into_iter().map(run).collect::<Result<_, _>>()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         output::write_figure(folder, "double_pendulum_energy", &figure(&runs), &[])?;
     }
-    if arguments.json {
-        let row = |run: &Run| json!({"rtol": run.rtol, "energy_drift": run.greatest(), "evaluations": run.evaluations});
-        println!("{}", json!({"runs": runs.iter().map(row).collect::<Vec<_>>()}));
-        return Ok(());
-    }
-    for run in &runs {
-        println!(
-            "rtol {:5.0e}: energy drift {:9.2e} of the largest kinetic energy, {} evaluations",
-            run.rtol,
-            run.greatest(),
-            run.evaluations
-        );
-    }
+    let row = |run: &Run| json!({"rtol": run.rtol, "energy_drift": run.greatest(), "evaluations": run.evaluations});
+    let line = |run: &Run| {
+        let (rtol, drift, evaluations) = (run.rtol, run.greatest(), run.evaluations);
+        format!(
+            "rtol {rtol:5.0e}: energy drift {drift:9.2e} of the largest kinetic energy, {evaluations} evaluations\n"
+        )
+    };
+    let results = json!({"runs": runs.iter().map(row).collect::<Vec<_>>()});
+    arguments.answer(results, &runs.iter().map(line).collect::<String>(), &[]);
     Ok(())
 }
 

@@ -6,7 +6,6 @@
 //!
 //! `--out DIR` draws the curve that the middle of the coupler goes through in a turn of the crank (SVG and PNG).
 
-use mbs_examples::println;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -36,17 +35,16 @@ fn main() -> Result<(), Failure> {
     let rest = rest(&bars)?;
     let linear = linear_period(&bars, &rest)?;
     let (swing, open) = swing(&bars, at(&bars, rest.q[CRANK] + arguments.options.amplitude)?)?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         output::write_figure(folder, "four_bar", &figure(&bars, &rest)?, &[])?;
     }
     let crank = rest.q[CRANK];
-    if arguments.json {
-        println!("{}", json!({"rest": crank, "linear_period": linear, "period": swing, "largest_residual": open}));
-    } else {
-        println!("crank at rest at {crank:.6} rad, period {swing:.8} s, linearized {linear:.8} s");
-        println!("largest |φ| at accepted steps: {open:.1e} m");
-    }
+    let results = json!({"rest": crank, "linear_period": linear, "period": swing, "largest_residual": open});
+    let text = format!(
+        "crank at rest at {crank:.6} rad, period {swing:.8} s, linearized {linear:.8} s\n\
+         largest |φ| at accepted steps: {open:.1e} m\n"
+    );
+    arguments.answer(results, &text, &[]);
     Ok(())
 }
 

@@ -13,7 +13,7 @@ mod sensitivity;
 use mbs_examples::relative_motion::cases::{self, Case};
 use mbs_examples::relative_motion::figures;
 use mbs_examples::relative_motion::flight::Flight;
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments};
 use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
@@ -29,8 +29,7 @@ fn main() -> Result<(), Failure> {
             eprintln!("warning: {}: {warning}", flight.case.name);
         }
     }
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &flights)?;
     }
     arguments.answer(to_json(&flights, &growths), &summary(&flights, &growths), &ASSUMED);

@@ -19,8 +19,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("work_precision.rs"));
 
     let reports = reports().map_err(|error| Failure::new(error.to_string()))?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         std::fs::write(folder.join("work_precision.json"), format!("{}\n", to_json(&reports)))?;
         std::fs::write(folder.join("work_precision.csv"), csv(&reports))?;
         output::write_figure(folder, "work_precision", &figure(&reports), &[])?;

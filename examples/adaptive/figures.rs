@@ -46,7 +46,8 @@ pub(crate) fn write(folder: &Path, arm: &arm::Study, quadrotor: &quadrotor::Stud
             estimates,
             of.duration,
         )?;
-        table(folder, &name, &of.adaptive.run, &["thrust_N", "tau_x_Nm", "tau_y_Nm", "tau_z_Nm"], &VEHICLE)?;
+        let forces = "thrust_N tau_x_Nm tau_y_Nm tau_z_Nm";
+        table(folder, &name, &of.adaptive.run, forces, &VEHICLE.map(String::from))?;
     }
     Ok(())
 }
@@ -64,11 +65,9 @@ fn arm_figure<const P: usize>(folder: &Path, name: &str, title: &str, of: &Compa
         .map(|(name, k)| relative(BodyParameters::NAMES[name], &of.adaptive, k, of.truth[k]))
         .collect();
     figure(folder, name, title, &ARM, runs, estimates, of.duration)?;
-    let torques = ["tau1_Nm", "tau2_Nm", "tau3_Nm", "tau4_Nm", "tau5_Nm", "tau6_Nm"];
     let names: Vec<String> =
         (0..P).map(|k| format!("{}{}", BodyParameters::NAMES[k % 10], 7 - P / 10 + k / 10)).collect();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    table(folder, name, &of.adaptive, &torques, &names)
+    table(folder, name, &of.adaptive, "tau[1-6]_Nm", &names)
 }
 
 fn figure(
@@ -102,13 +101,11 @@ fn line(name: &str, run: &Run, value: impl Fn(&Sample) -> f64) -> Line {
     Line::new(name, run.samples.iter().step_by(5).map(|s| (s.t, value(s))).collect())
 }
 
-fn table(folder: &Path, name: &str, run: &Run, forces: &[&str], estimates: &[&str]) -> Result<(), Failure> {
-    let mut header: Vec<String> = ["t_s", "error_m", "V_J"].map(String::from).into();
-    header.extend((1..=6).map(|i| format!("q{i}")));
-    header.extend(forces.iter().map(|name| (*name).to_string()));
-    header.extend(estimates.iter().map(|name| format!("estimate_{name}")));
+fn table(folder: &Path, name: &str, run: &Run, forces: &str, estimates: &[String]) -> Result<(), Failure> {
+    let estimates: String = estimates.iter().map(|name| format!(" estimate_{name}")).collect();
+    let words = format!("t_s error_m V_J q[1-6] {forces}{estimates}");
     let row = |s: &Sample| {
         [&[s.t, s.seen.error, s.seen.lyapunov][..], &s.motion[0], &s.seen.forces, &s.seen.estimate].concat()
     };
-    output::write_table(folder, name, &header, run.samples.iter().step_by(5).map(row))
+    output::write_table(folder, name, &words, run.samples.iter().step_by(5).map(row))
 }

@@ -18,7 +18,7 @@ mod quadrotor;
 mod run;
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 
 /// What the numbers rest on, beside what every landing does.
 const ASSUMED: [&str; 5] = ["arm.masses", "arm.mass_centres", "arm.inertias", "arm.torques", "adaptive."];
@@ -26,8 +26,7 @@ const ASSUMED: [&str; 5] = ["arm.masses", "arm.mass_centres", "arm.inertias", "a
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let (arm, quadrotor) = (arm::study()?, quadrotor::study()?);
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &arm, &quadrotor)?;
     }
     let keys = [assumed::LANDING, &ASSUMED].concat();

@@ -67,14 +67,15 @@ fn lyapunov(check: &LyapunovCheck) -> Value {
     })
 }
 
+fn learnt(name: &str, [truth, initial, estimate]: [f64; 3]) -> Value {
+    json!({ "name": name, "true": truth, "initial": initial, "estimated": estimate })
+}
+
 fn compared<const P: usize>(of: &arm::Comparison<P>) -> Value {
     let estimate: &[f64] = &of.adaptive.end().seen.estimate;
     let estimate: [f64; P] = std::array::from_fn(|k| estimate[k]);
     let [truth, first, last] = [&of.truth, &of.initial, &estimate].map(|numbers| of.told.values(numbers));
-    let row = |k: usize| {
-        let name = name::<P>(of.told.independent()[k]);
-        json!({ "name": name, "true": truth[k], "initial": first[k], "estimated": last[k] })
-    };
+    let row = |k: usize| learnt(&name::<P>(of.told.independent()[k]), [truth[k], first[k], last[k]]);
     let error = |run: &Run| ends(run, of.duration, of.window);
     json!({
         "duration": of.duration,
@@ -93,14 +94,7 @@ fn compared<const P: usize>(of: &arm::Comparison<P>) -> Value {
 
 fn flown(study: &quadrotor::Study, of: &quadrotor::Comparison) -> Value {
     let estimate = &of.adaptive.run.end().seen.estimate;
-    let row = |k: usize| {
-        json!({
-            "name": VEHICLE[k],
-            "true": study.truth[k],
-            "initial": study.initial[k],
-            "estimated": estimate[k],
-        })
-    };
+    let row = |k: usize| learnt(VEHICLE[k], [study.truth[k], study.initial[k], estimate[k]]);
     let of_flight = |flight: &Flight| {
         json!({
             "error": ends(&flight.run, of.duration, of.window),

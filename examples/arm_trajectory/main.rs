@@ -16,7 +16,7 @@ mod tables;
 use mbs_arm::Arm;
 use mbs_examples::arm_trajectory::cases::{self, Case, Run};
 use mbs_examples::arm_trajectory::figures;
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments};
 use serde_json::{Value, json};
 
 /// What torques, work and limits rest on.
@@ -26,8 +26,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let arm = Arm::default();
     let cases = cases::both(&arm)?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         for case in &cases {
             figures::write(folder, &arm, case)?;
             tables::write(folder, &arm, case)?;

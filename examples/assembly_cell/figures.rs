@@ -47,18 +47,8 @@ fn panel(label: &str, runs: &[&Run], value: &dyn Fn(&Sample) -> f64) -> Panel {
 }
 
 fn table(folder: &Path, name: &str, run: &Run) -> Result<(), Failure> {
-    let header = [
-        "t_s",
-        "push_x_N",
-        "push_y_N",
-        "push_z_N",
-        "corner_left_N",
-        "corner_right_N",
-        "edge_left_N",
-        "edge_right_N",
-        "depth_m",
-        "tilt_rad",
-    ];
+    let corners = "corner_left_N corner_right_N edge_left_N edge_right_N";
+    let words = format!("t_s push_x_N push_y_N push_z_N {corners} depth_m tilt_rad");
     let row = |s: &Sample| [&[s.t][..], &s.push, &s.normal, &[s.depth, s.tilt]].concat();
-    output::write_table(folder, name, &header.map(String::from), run.samples.iter().map(row))
+    output::write_table(folder, name, &words, run.samples.iter().map(row))
 }

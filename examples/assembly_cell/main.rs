@@ -15,7 +15,7 @@ mod cycle;
 mod figures;
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments};
 
 /// What forces and times rest on.
 const ASSUMED: [&str; 2] = ["gravity", "assembly."];
@@ -23,8 +23,7 @@ const ASSUMED: [&str; 2] = ["gravity", "assembly."];
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let runs = cases::all()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &runs)?;
     }
     arguments.answer(summary::to_json(&runs), &summary::text(&runs), &ASSUMED);

@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
-use mbs_examples::{Failure, output};
+use mbs_examples::Failure;
+use mbs_examples::output::{write_figure, write_table};
 use mbs_orbit::mission::{Axis, Moment, Phase};
 
 use crate::flight::Flight;
@@ -15,7 +16,7 @@ pub(crate) fn write(folder: &Path, flight: &Flight) -> Result<(), Failure> {
     };
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
         let title = format!("{what}, {axis}");
-        output::write_figure(folder, name, &Figure { title, size: (1100, 850), panels }, &crate::ASSUMED)
+        write_figure(folder, name, &Figure { title, size: (1100, 850), panels }, &crate::ASSUMED)
     };
     let far = way(flight, &[Phase::Phasing, Phase::Homing]);
     let near = way(flight, &[Phase::Homing, Phase::Closing, Phase::Approach, Phase::Docking]);
@@ -138,10 +139,8 @@ fn budget(flight: &Flight) -> Panel {
 }
 
 pub(crate) fn write_tables(folder: &Path, flight: &Flight) -> Result<(), Failure> {
-    let header = ["t_s", "phase", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
     let row = |m: &Moment| [&[m.time, f64::from(m.phase as u8)][..], &m.relative.to_array()].concat();
-    output::write_table(folder, "docking_way", &header, flight.moments.iter().map(row))?;
-    let header = ["t_s", "phase", "dvx_m_s", "dvy_m_s", "dvz_m_s"].map(String::from);
+    write_table(folder, "docking_way", "t_s phase x_m y_m z_m vx_m_s vy_m_s vz_m_s", flight.moments.iter().map(row))?;
     let rows = flight.burns.iter().map(|burn| [&[burn.time, f64::from(burn.phase as u8)][..], &burn.delta_v].concat());
-    output::write_table(folder, "docking_burns", &header, rows)
+    write_table(folder, "docking_burns", "t_s phase dvx_m_s dvy_m_s dvz_m_s", rows)
 }

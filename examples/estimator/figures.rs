@@ -42,13 +42,8 @@ pub(crate) fn write(folder: &Path, case: &Case, heave: Heave<4>) -> Result<(), F
     let flight = Flight::of(heave, 0)?;
     let name = case.name;
     let figure = |key: &str, what: &str, size: (u32, u32), panels: Vec<Panel>| {
-        let title = format!("{what}, case {name}");
-        output::write_figure(
-            folder,
-            &format!("estimator_{key}_{name}"),
-            &Figure { title, size, panels },
-            &crate::assumed_keys(),
-        )
+        let figure = Figure { title: format!("{what}, case {name}"), size, panels };
+        output::write_figure(folder, &format!("estimator_{key}_{name}"), &figure, &crate::assumed_keys())
     };
     figure("errors", "Errors of one estimate and ±3σ as the filter states them", (1100, 1150), errors(&flight))?;
     figure("consistency", "Averages over landings of normalized squares", (900, 900), consistency(&case.runs))?;
@@ -57,23 +52,22 @@ pub(crate) fn write(folder: &Path, case: &Case, heave: Heave<4>) -> Result<(), F
     write_table(folder, name, &flight)
 }
 
+/// What errs along three axes, with its unit.
+const AXES: [(&str, &str); 5] =
+    [("place", "m"), ("velocity", "m_s"), ("attitude", "rad"), ("gyro_bias", "rad_s"), ("accelerometer_bias", "m_s2")];
+
 fn write_table(folder: &Path, case: &str, flight: &Flight) -> Result<(), Failure> {
-    let axes = |what: &str, unit: &str| ["x", "y", "z"].map(|axis| format!("{what}_{axis}_{unit}"));
-    let names = [
-        axes("place", "m"),
-        axes("velocity", "m_s"),
-        axes("attitude", "rad"),
-        axes("gyro_bias", "rad_s"),
-        axes("accelerometer_bias", "m_s2"),
-    ]
-    .concat();
-    let of = |kind: &str| names.iter().map(|name| format!("{kind}_{name}")).collect::<Vec<_>>();
-    let header = [vec!["t_s".to_string()], of("error"), of("sd")].concat();
+    let mut words = "t_s".to_string();
+    for kind in ["error", "sd"] {
+        for (what, unit) in AXES {
+            words += &["x", "y", "z"].map(|axis| format!(" {kind}_{what}_{axis}_{unit}")).concat();
+        }
+    }
     let rows = flight
         .moments
         .iter()
         .map(|(t, errors, deviations)| [&[*t][..], errors.as_slice(), deviations.as_slice()].concat());
-    output::write_table(folder, &format!("estimator_{case}"), &header, rows)
+    output::write_table(folder, &format!("estimator_{case}"), &words, rows)
 }
 
 /// There and back, with a gap in between.

@@ -15,8 +15,8 @@ mod figures;
 mod monte_carlo;
 mod summary;
 
-use mbs_examples::quadrotor_landing::flight::CASES;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::quadrotor_landing::{flight::CASES, members};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 
 use monte_carlo::Run;
 
@@ -46,16 +46,13 @@ fn assumed_keys() -> Vec<&'static str> {
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
-    let Options { members, threads } = arguments.options;
-    if let Some(threads) = threads {
-        rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?;
-    }
+    let Options { members: count, threads } = arguments.options;
+    members::use_threads(threads)?;
     let mut cases = Vec::new();
     for (name, heave) in CASES {
-        cases.push(Case { name, runs: monte_carlo::runs(heave, members)? });
+        cases.push(Case { name, runs: monte_carlo::runs(heave, count)? });
     }
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         for (case, (_, heave)) in cases.iter().zip(CASES) {
             figures::write(folder, case, heave)?;
         }

@@ -1,8 +1,8 @@
 //! Many landings on estimates, each with a start, biases and noise of its own, and the same starts on the true state.
 
-use indicatif::{ProgressBar, ProgressStyle};
 use mbs_examples::Failure;
 use mbs_examples::quadrotor_landing::flight::{PLACE, heaving};
+use mbs_examples::quadrotor_landing::members;
 use mbs_landing::estimator::filter::{Filter, Innovation, Uncertainty};
 use mbs_landing::estimator::nominal::{ERRORS, Nominal};
 use mbs_landing::quadrotor::estimated::{EstimatedMoment, inertial_state, vehicle_state};
@@ -13,10 +13,6 @@ use mbs_landing::sensors::Sensors;
 use mbs_landing::sensors::imu::{Biases, ImuSample};
 use mbs_models::Error;
 use nalgebra::{SVector, Vector3};
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
-use rayon::prelude::*;
 
 /// Consistency is looked at twice a second: these are the intervals of the IMU and the images between two looks.
 pub(crate) const LOOK: f64 = 0.5;
@@ -43,12 +39,6 @@ pub(crate) struct Run {
     pub(crate) exact: Touchdown,
 }
 
-/// Deviates of a seed.
-pub(crate) fn deviates(seed: u64) -> impl FnMut() -> f64 {
-    let mut generator = Pcg64Mcg::seed_from_u64(seed);
-    move || StandardNormal.sample(&mut generator)
-}
-
 /// The filter that every landing begins with: where the vehicle is said to be, and how sure that is.
 pub(crate) fn first_filter(sensors: &Sensors) -> (Filter, SVector<f64, ERRORS>) {
     let said = inertial_state(&Landing::initial_state(), sensors, Biases::default());
@@ -64,7 +54,7 @@ pub(crate) fn flown(
 ) -> Result<[Touchdown; 2], Error> {
     let sensors = Sensors::TYPICAL;
     let landing = Landing::on(mbs_landing::quadrotor::landing::Plant::Exact, heaving(heave));
-    let mut normal = deviates(seed);
+    let mut normal = members::deviates(seed);
     let (filter, deviations) = first_filter(&sensors);
     let errors = deviations.map(|deviation| deviation * normal());
     let truth: Nominal = filter.estimate.nominal.with(&errors, &ORIGIN);
@@ -104,18 +94,7 @@ fn run(heave: Heave<4>, seed: u64) -> Result<Run, Error> {
     Ok(Run { state, range, image, squares, refused, measured, last_error, estimated, exact })
 }
 
-/// Landings of a case with the seeds 0, 1, …; the same for any number of threads.
+/// Landings of a case with the seeds 0, 1, ….
 pub(crate) fn runs(heave: Heave<4>, count: u32) -> Result<Vec<Run>, Failure> {
-    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go")?;
-    let progress = ProgressBar::new(u64::from(count)).with_style(style);
-    let runs: Result<Vec<Run>, Error> = (0..u64::from(count))
-        .into_par_iter()
-        .map(|seed| {
-            let run = run(heave, seed);
-            progress.inc(1);
-            run
-        })
-        .collect();
-    progress.finish_and_clear();
-    Ok(runs?)
+    Ok(members::flown(count, |seed| run(heave, seed))?.into_iter().collect::<Result<_, Error>>()?)
 }

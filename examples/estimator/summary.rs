@@ -1,22 +1,19 @@
 //! What the landings came to, as text and as JSON.
 
+use mbs_examples::quadrotor_landing::members::spread;
 use mbs_landing::estimator::nominal::ERRORS;
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use nalgebra::SVector;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::Case;
 use crate::consistency::Looks;
 use crate::monte_carlo::Run;
 
 /// Mean, standard deviation, greatest magnitude.
-fn statistics(values: impl Iterator<Item = f64>) -> [f64; 3] {
-    let values: Vec<f64> = values.collect();
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let greatest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    [mean, (squares / (count - 1.0)).sqrt(), greatest]
+fn statistics(values: impl Iterator<Item = f64> + Clone) -> [f64; 3] {
+    let [mean, deviation] = spread(values.clone());
+    [mean, deviation, values.fold(0.0, |most: f64, value| most.max(value.abs()))]
 }
 
 /// Name in the JSON, name and unit in the text, value.
@@ -57,38 +54,36 @@ fn refused(runs: &[Run]) -> [usize; 2] {
 }
 
 pub(crate) fn to_json(cases: &[Case]) -> Value {
-    let mut all = Map::new();
-    for Case { name, runs } in cases {
-        let sensors = sensors(runs);
-        let touchdown = |who: &Who| {
-            let column = |&(key, _, value): &Column| {
-                let [mean, deviation, greatest] = statistics(runs.iter().map(|run| value(who.2(run))));
-                (key.to_string(), json!({ "mean": mean, "sd": deviation, "max": greatest }))
-            };
-            (who.0.to_string(), Value::from(COLUMNS.iter().map(column).collect::<Map<_, _>>()))
+    cases.iter().map(|Case { name, runs }| ((*name).to_string(), of_case(runs))).collect()
+}
+
+fn of_case(runs: &[Run]) -> Value {
+    let touchdown = |who: &Who| {
+        let column = |&(key, _, value): &Column| {
+            let [mean, deviation, greatest] = statistics(runs.iter().map(|run| value(who.2(run))));
+            (key.to_string(), json!({ "mean": mean, "sd": deviation, "max": greatest }))
         };
-        let ratios = ratios(runs);
-        let ratio = |first: usize| ratios.fixed_rows::<3>(first).iter().copied().collect::<Vec<_>>();
-        let [refused, measured] = refused(runs);
-        let of_case = json!({
-            "runs": runs.len(),
-            "nees": Looks::of_state(runs).to_json(ERRORS as f64),
-            "nis": sensors.iter().map(|(key, looks)| (key.to_string(), looks.to_json(1.0))).collect::<Map<_, _>>(),
-            "rms_over_sd": {
-                "place": ratio(0),
-                "velocity": ratio(3),
-                "attitude": ratio(6),
-                "gyro_bias": ratio(9),
-                "accelerometer_bias": ratio(12),
-            },
-            "measured": measured,
-            "refused": refused,
-            "last_error": last_errors(runs),
-            "touchdown": WHO.iter().map(touchdown).collect::<Map<_, _>>(),
-        });
-        all.insert((*name).to_string(), of_case);
-    }
-    all.into()
+        (who.0.to_string(), COLUMNS.iter().map(column).collect::<Value>())
+    };
+    let ratios = ratios(runs);
+    let ratio = |first: usize| ratios.fixed_rows::<3>(first).iter().copied().collect::<Vec<_>>();
+    let [refused, measured] = refused(runs);
+    json!({
+        "runs": runs.len(),
+        "nees": Looks::of_state(runs).to_json(ERRORS as f64),
+        "nis": sensors(runs).iter().map(|(key, looks)| (key.to_string(), looks.to_json(1.0))).collect::<Value>(),
+        "rms_over_sd": {
+            "place": ratio(0),
+            "velocity": ratio(3),
+            "attitude": ratio(6),
+            "gyro_bias": ratio(9),
+            "accelerometer_bias": ratio(12),
+        },
+        "measured": measured,
+        "refused": refused,
+        "last_error": last_errors(runs),
+        "touchdown": WHO.iter().map(touchdown).collect::<Value>(),
+    })
 }
 
 pub(crate) fn text(cases: &[Case]) -> String {

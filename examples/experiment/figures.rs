@@ -7,7 +7,7 @@ use mbs_chart::{Figure, Line, Panel, Space, SpaceLine};
 use mbs_examples::{Failure, output};
 use mbs_landing::experiment::landed::Meeting;
 
-use crate::assumed::ASSUMED;
+use crate::assumed;
 use crate::run::{Other, Outcome, Run, Sample, Simulated, Touched};
 
 /// Files whose names begin with a word and the case.
@@ -22,7 +22,7 @@ pub(crate) fn write(folder: &Path, word: &str, run: &Run<'_>) -> Result<(), Fail
     let write = |name: &str, what: &str, panels: Vec<Panel>| {
         let title = format!("{what}, case {} at {:.5}", run.case.name, run.scale);
         let name = format!("{stem}_{name}");
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels }, &ASSUMED)
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 900), panels }, &assumed::keys())
     };
     let end = tracked.contact.time;
     let over_time = |label: &str, lines: Vec<Line>| Panel::over_time(label, 0.0..end, lines);
@@ -142,13 +142,8 @@ const COLUMNS: [Column; 7] = [
 
 fn scales(folder: &Path, stem: &str, run: &Run<'_>) -> Result<(), Failure> {
     let name = format!("{stem}_scales");
-    let header = COLUMNS.map(|(name, ..)| name.to_string());
-    output::write_table(
-        folder,
-        &name,
-        &header,
-        run.others.iter().map(|other| COLUMNS.map(|(.., of)| of(other)).into()),
-    )?;
+    let rows = run.others.iter().map(|other| COLUMNS.map(|(.., of)| of(other)).into());
+    output::write_table(folder, &name, &COLUMNS.map(|(name, ..)| name).join(" "), rows)?;
     let (Some(first), Some(last)) = (run.others.first(), run.others.last()) else { return Ok(()) };
     let panel = |which: usize, label: &str| {
         let drawn =
@@ -162,24 +157,17 @@ fn scales(folder: &Path, stem: &str, run: &Run<'_>) -> Result<(), Failure> {
         panel(1, "least distance, part of half a range; below 0 bodies overlap"),
     ];
     let title = format!("What a scale asks of the arm, case {}; {:.5} is feasible", run.case.name, run.scale);
-    output::write_figure(folder, &name, &Figure { title, size: (1100, 800), panels }, &ASSUMED)
+    output::write_figure(folder, &name, &Figure { title, size: (1100, 800), panels }, &assumed::keys())
 }
 
 fn table(folder: &Path, stem: &str, samples: &[Sample]) -> Result<(), Failure> {
-    let mut header = vec!["t_s".to_string()];
-    for (what, units) in
-        [("q", ["m", "rad"]), ("qd", ["m_s", "rad_s"]), ("wanted_q", ["m", "rad"]), ("force", ["N", "Nm"])]
-    {
-        header.extend((0..7).map(|axis| format!("{what}{axis}_{}", units[usize::from(axis > 0)])));
-    }
-    header.extend(["flange_x_m", "flange_y_m", "flange_z_m", "deck_m", "error_m", "turn_rad"].map(String::from));
-    for (what, unit) in [("leg_length", "m"), ("leg_force", "N")] {
-        header.extend((1..=6).map(|leg| format!("{what}{leg}_{unit}")));
-    }
+    let axes = "q0_m q[1-6]_rad qd0_m_s qd[1-6]_rad_s wanted_q0_m wanted_q[1-6]_rad force0_N force[1-6]_Nm";
+    let flange = "flange_x_m flange_y_m flange_z_m deck_m error_m turn_rad";
+    let words = format!("t_s {axes} {flange} leg_length[1-6]_m leg_force[1-6]_N");
     let row = |s: &Sample| {
         let Sample { look, flange, deck, legs: [lengths, forces] } = s;
         let axes = [look.state.q, look.state.qd, look.wanted.q, look.forces].concat();
         [&[look.time][..], &axes, &flange.position, &[*deck, look.error, look.turn], lengths, forces].concat()
     };
-    output::write_table(folder, stem, &header, samples.iter().map(row))
+    output::write_table(folder, stem, &words, samples.iter().map(row))
 }

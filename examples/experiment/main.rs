@@ -12,65 +12,40 @@ mod figures;
 mod run;
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments};
-use mbs_examples::{print, println};
+use mbs_examples::Failure;
+use mbs_examples::arguments::{Arguments, one_of};
+use mbs_examples::quadrotor_landing::flight::CASES;
 use mbs_landing::experiment::plan::Attitude;
-use mbs_landing::quadrotor::heave::Heave;
 
 use run::{Case, Run};
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
     /// The landing of chapter 5.
-    #[arg(long, value_enum, default_value_t = Landing::I)]
-    case: Landing,
+    #[arg(long, default_value = "I", value_parser = one_of(CASES.map(|(name, heave)| (name, Case { name, heave }))))]
+    case: Case,
     /// The scale of the laboratory; the greatest feasible one without.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     scale: Option<f64>,
     /// Of the vehicle at the flange.
-    #[arg(long, value_enum, default_value_t = Shown::Flown)]
-    attitude: Shown,
+    #[arg(long, default_value = "flown", value_parser = one_of(ATTITUDES))]
+    attitude: Attitude,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Landing {
-    #[value(name = "I")]
-    I,
-    #[value(name = "II")]
-    II,
-}
-
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Shown {
-    Flown,
-    Level,
-}
+const ATTITUDES: [(&str, Attitude); 2] = [("flown", Attitude::Flown), ("level", Attitude::Level)];
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let Options { case, scale, attitude } = arguments.options;
-    let case = match case {
-        Landing::I => Case { name: "I", heave: Heave::CASE_I },
-        Landing::II => Case { name: "II", heave: Heave::CASE_II },
-    };
-    let attitude = match attitude {
-        Shown::Flown => Attitude::Flown,
-        Shown::Level => Attitude::Level,
-    };
     let experiment = run::experiment(&case, attitude)?;
     let mut run = Run::of(&experiment, case, scale)?;
     let from_afar = run::inbound(&case, attitude)?;
     let inbound = Run::of(&from_afar, case, scale)?;
-    if let Some(folder) = &arguments.out {
+    if let Some(folder) = arguments.folder()? {
         run = run.compared()?;
-        std::fs::create_dir_all(folder)?;
         figures::write(folder, "case", &run)?;
         figures::write(folder, "inbound", &inbound)?;
     }
-    if arguments.json {
-        println!("{}", summary::to_json(&run, &inbound));
-    } else {
-        print!("{}", summary::text(&run, &inbound));
-    }
+    arguments.answer(summary::to_json(&run, &inbound), &summary::text(&run, &inbound), &[]);
     Ok(())
 }

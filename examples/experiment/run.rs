@@ -14,7 +14,7 @@ use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_runtime::Pose;
 
 /// A motion of the platform.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Case {
     /// In the thesis.
     pub(crate) name: &'static str,

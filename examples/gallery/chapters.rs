@@ -1,7 +1,9 @@
 //! The diagram of the introduction: chapters, and the mechanisms that they share.
 
 use mbs_chart::style::{BLACK, BLUE, Color, GRAY, LIGHT, Stroke};
-use mbs_chart::{Figure, Panel, Sketch};
+use mbs_chart::{Figure, Sketch};
+
+use crate::solid::drawing;
 
 /// A chapter: where its box is, its name, its mechanisms.
 type Box = ([f64; 2], &'static str, &'static str);
@@ -39,17 +41,11 @@ pub(crate) fn figure() -> Figure {
         sketch.area(corners, if mechanisms.is_empty() { Color(243, 243, 243) } else { LIGHT });
         sketch.line([&corners[..], &corners[..1]].concat(), Stroke::new(GRAY, 1.2));
         let middle = [x + 0.5 * WIDE, y + 0.5 * HIGH];
-        sketch.word(middle, name, [0.0, if mechanisms.is_empty() { 0.0 } else { -11.0 }]);
-        sketch.styled(15.0, BLACK);
-        sketch.word(middle, mechanisms, [0.0, 13.0]);
-        sketch.styled(12.5, BLUE);
+        sketch.styled(middle, name, [0.0, if mechanisms.is_empty() { 0.0 } else { -11.0 }], 15.0, BLACK);
+        sketch.styled(middle, mechanisms, [0.0, 13.0], 12.5, BLUE);
     }
     for (from, to) in ARROWS {
         sketch.arrow([from, to], Stroke::new(BLACK, 1.4));
     }
-    Figure {
-        title: "The chapters and their mechanisms".to_string(),
-        size: (900, 430),
-        panels: vec![Panel::Sketch(sketch)],
-    }
+    drawing("The chapters and their mechanisms", (900, 430), sketch)
 }

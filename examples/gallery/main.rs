@@ -14,7 +14,7 @@ mod scheme_platform;
 mod solid;
 
 use mbs_examples::println;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -97,10 +97,10 @@ fn main() -> Result<(), Failure> {
     let numbers: Vec<&str> = figures.iter().map(|(number, _)| *number).collect();
     output::create_folder(&out)?;
     for (number, svg) in &figures {
-        write(&out, &file_name(number), svg)?;
+        output::write_file(&out.join(file_name(number)), svg)?;
     }
-    write(&out, "chapters.svg", &scheme)?;
-    write(&out, "index.html", index::page(&numbers).as_bytes())?;
+    output::write_file(&out.join("chapters.svg"), &scheme)?;
+    output::write_file(&out.join("index.html"), index::page(&numbers).as_bytes())?;
     println!("{} figures and the diagram of the chapters: {}", figures.len(), out.join("index.html").display());
     Ok(())
 }
@@ -110,11 +110,4 @@ fn drawn(job: &Job) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
     assert_eq!(figures.len(), job.numbers.len(), "a figure for each number of {:?}", job.numbers);
     let pairs = job.numbers.iter().zip(&figures);
     pairs.map(|(number, figure)| Ok((*number, mbs_chart::draw(figure, Format::Svg)?))).collect()
-}
-
-/// A file that is whole or not there.
-fn write(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), Failure> {
-    let (path, part) = (folder.join(name), folder.join(format!("{name}.part")));
-    let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, &path));
-    written.map_err(|error| Failure::new(format!("{}: {error}", path.display())))
 }

@@ -2,17 +2,15 @@
 
 use std::f64::consts::PI;
 
+use mbs_chart::Figure;
 use mbs_chart::style::{BLACK, BLUE, Color, DASH_DOT, DASHED, DOTTED, GRAY, GREEN, LIGHT, ORANGE, PINK, Stroke};
-use mbs_chart::{Figure, Panel};
 use mbs_examples::Failure;
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::station::{Station, from_cylindrical};
 use mbs_runtime::{Pose, State};
 
-use crate::solid::{Point, Solid, THIN, arc, plus, unit, upright};
-
-const STEEL: Color = Color(176, 186, 198);
+use crate::solid::{Point, STEEL, Solid, THIN, arc, drawing, plus, unit, upright};
 
 /// Figure 5.1.
 pub(crate) fn vehicle() -> Result<Vec<Figure>, Failure> {
@@ -46,8 +44,8 @@ pub(crate) fn vehicle() -> Result<Vec<Figure>, Failure> {
     solid.word(body.position, "O_d", [10.0, 14.0]);
     solid.arrow(&[body.position, plus(body.position, -0.75, unit(2))], Stroke::new(PINK, 2.2));
     solid.tinted(plus(body.position, -0.75, unit(2)), "m g", [-8.0, 0.0], PINK);
-    let title = "Figure 5.1: inertial frame and frame of the vehicle, with its rotors".to_string();
-    Ok(vec![Figure { title, size: (900, 700), panels: vec![Panel::Sketch(solid.sketch)] }])
+    let title = "Figure 5.1: inertial frame and frame of the vehicle, with its rotors";
+    Ok(vec![drawing(title, (900, 700), solid.sketch)])
 }
 
 /// Figures 7.1 and 7.2.
@@ -65,10 +63,9 @@ pub(crate) fn orbits() -> Result<Vec<Figure>, Failure> {
         names: ["r", "r_t", "station", "chaser"],
         centre: ["Earth", "x_i", "y_i", "z_i"],
     };
-    let title = |text: &str| format!("{text}, not to scale");
     Ok(vec![
-        ellipse.figure(title("Figure 7.1: inertial and moving frame"))?,
-        circle.figure(title("Figure 7.2: relative motion about a station on its orbit"))?,
+        ellipse.figure("Figure 7.1: inertial and moving frame, not to scale")?,
+        circle.figure("Figure 7.2: relative motion about a station on its orbit, not to scale")?,
     ])
 }
 
@@ -92,7 +89,7 @@ impl About {
         Ok(std::array::from_fn(|i| position[i] / UNIT))
     }
 
-    fn figure(&self, title: String) -> Result<Figure, Failure> {
+    fn figure(&self, title: &str) -> Result<Figure, Failure> {
         let mut solid = Solid::new(-72.0, 32.0);
         let orbit = (-14..=44).map(|k| self.place(f64::from(k) / 120.0)).collect::<Result<Vec<_>, _>>()?;
         solid.line(&orbit, Stroke::new(GRAY, 1.4).dashed(DASH_DOT));
@@ -135,6 +132,6 @@ impl About {
         solid.dot(top, 5.0, PINK);
         solid.word(place, origin, [12.0, 14.0]);
         solid.tinted(top, body, [0.0, -16.0], PINK);
-        Ok(Figure { title, size: (900, 700), panels: vec![Panel::Sketch(solid.sketch)] })
+        Ok(drawing(title, (900, 700), solid.sketch))
     }
 }

@@ -1,22 +1,17 @@
 //! Figures 4.1 to 4.4: the platform from its generated kinematics.
 
 use mbs_chart::style::{BLACK, BLUE, Color, DASHED, DOTTED, GRAY, GREEN, LIGHT, ORANGE, PINK, Stroke};
-use mbs_chart::{Figure, Panel, Sketch};
+use mbs_chart::{Figure, Sketch};
 use mbs_examples::Failure;
 use mbs_platform::{Coordinates, HOME, Platform};
 
-use crate::solid::{Point, Solid, THIN, arc, plane_arc, plus, unit, upright};
+use crate::solid::{Point, STEEL, Solid, THIN, arc, drawing, plane_arc, plus, unit, upright};
 
 /// Off home, so that nothing lies on anything else.
 const POSE: Coordinates = [0.2, -0.1, 1.35, 0.12, -0.14, 0.3];
 /// The leg that is shown, counted from 0.
 const LEG: usize = 1;
-const STEEL: Color = Color(176, 186, 198);
 const PLATE: Color = Color(222, 232, 240);
-
-fn drawing(title: &str, size: (u32, u32), sketch: Sketch) -> Vec<Figure> {
-    vec![Figure { title: title.to_string(), size, panels: vec![Panel::Sketch(sketch)] }]
-}
 
 /// Base, legs and platform at a pose.
 fn machine(solid: &mut Solid, platform: &Platform, q: &Coordinates) -> [[Point; 6]; 2] {
@@ -52,7 +47,7 @@ pub(crate) fn frames() -> Result<Vec<Figure>, Failure> {
     arrow(&mut solid, [frame.position, joints[LEG]], (0.6, "R P_i"), [-4.0, -14.0], PINK);
     arrow(&mut solid, [base[LEG], joints[LEG]], (0.5, "L_i = R P_i + P − B_i"), [12.0, 0.0], ORANGE);
     solid.word([0.0; 3], "B", [-12.0, 10.0]);
-    Ok(drawing("Figure 4.1: frames of base and platform, and the vectors of leg i", (900, 720), solid.sketch))
+    Ok(vec![drawing("Figure 4.1: frames of base and platform, and the vectors of leg i", (900, 720), solid.sketch)])
 }
 
 /// Figure 4.2.
@@ -76,8 +71,7 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
             sketch.dot(at, 5.5, color);
             let shift = [20.0 * at[0] / radius, -20.0 * at[1] / radius];
             let shift = if shift[0].abs() < 7.0 { [0.0, shift[1]] } else { [0.6 * shift[0], shift[1]] };
-            sketch.word(at, format!("{name}_{}", i + 1), shift);
-            sketch.styled(15.0, color);
+            sketch.styled(at, format!("{name}_{}", i + 1), shift, 15.0, color);
         }
     }
     for (axis, name) in [([0.45, 0.0], "x"), ([0.0, 0.45], "y")] {
@@ -89,12 +83,13 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
     sketch.line([[0.0; 2], base[1]], THIN);
     sketch.line(plane_arc([0.0; 2], 0.95, [0.0, params.base_half_angle]), Stroke::new(ORANGE, 1.8));
     let half = 0.5 * params.base_half_angle;
-    sketch.word(
+    sketch.styled(
         [0.95 * half.cos(), 0.95 * half.sin()],
         format!("{:.0}°", params.base_half_angle.to_degrees()),
         [7.0, -2.0],
+        14.0,
+        ORANGE,
     );
-    sketch.styled(14.0, ORANGE);
     let pair = 60.0_f64.to_radians();
     sketch.line([[0.0; 2], [0.95 * pair.cos(), 0.95 * pair.sin()]], THIN.dashed(DOTTED));
     sketch.line([[0.0; 2], joints[1]], THIN);
@@ -102,8 +97,7 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
     sketch.line(plane_arc([0.0; 2], 0.6, ends), Stroke::new(BLUE, 1.8));
     let middle = 0.5 * (ends[0] + ends[1]);
     let at = [0.6 * middle.cos(), 0.6 * middle.sin()];
-    sketch.word(at, format!("{:.0}°", params.platform_half_angle.to_degrees()), [3.0, -14.0]);
-    sketch.styled(14.0, BLUE);
+    sketch.styled(at, format!("{:.0}°", params.platform_half_angle.to_degrees()), [3.0, -14.0], 14.0, BLUE);
     for (radius, turn, name, color) in
         [(params.base_radius, 205.0_f64, "r_B", ORANGE), (params.platform_radius, 155.0, "r_P", BLUE)]
     {
@@ -111,10 +105,9 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
         sketch.dimension([[0.0; 2], [radius * cos, radius * sin]], Stroke::new(color, 1.2));
         let part = if sin > 0.0 { 0.55 } else { 0.3 };
         let at = [part * radius * cos, part * radius * sin];
-        sketch.word(at, format!("{name} = {radius} m"), [0.0, if sin > 0.0 { -28.0 } else { 30.0 }]);
-        sketch.styled(14.0, color);
+        sketch.styled(at, format!("{name} = {radius} m"), [0.0, if sin > 0.0 { -28.0 } else { 30.0 }], 14.0, color);
     }
-    Ok(drawing("Figure 4.2: joints of base and platform from above, at home, to scale", (820, 780), sketch))
+    Ok(vec![drawing("Figure 4.2: joints of base and platform from above, at home, to scale", (820, 780), sketch)])
 }
 
 /// Figure 4.3.
@@ -148,16 +141,14 @@ pub(crate) fn actuator() -> Result<Vec<Figure>, Failure> {
         [(cylinder, BLUE, "cylinder", params.cylinder_mass), (piston, ORANGE, "piston", params.piston_mass)]
     {
         sketch.dot(at(centre, 0.0), 6.0, color);
-        sketch.word(at(centre, -0.06), format!("{text}: mass centre, {mass} kg"), [18.0, 4.0]);
-        sketch.styled(15.0, color);
+        sketch.styled(at(centre, -0.06), format!("{text}: mass centre, {mass} kg"), [18.0, 4.0], 15.0, color);
     }
     let mut dimension = |from: f64, to: f64, off: f64, text: String, color: Color| {
         for end in [from, to] {
             sketch.line([at(end, 0.02), at(end, off + 0.02)], THIN.dashed(DOTTED));
         }
         sketch.dimension([at(from, off), at(to, off)], Stroke::new(color, 1.3));
-        sketch.word(at(0.5 * (from + to), off), text, [-10.0, -4.0]);
-        sketch.styled(14.0, color);
+        sketch.styled(at(0.5 * (from + to), off), text, [-10.0, -4.0], 14.0, color);
     };
     dimension(0.0, cylinder, 0.14, format!("l_1 = {cylinder} m"), BLUE);
     dimension(piston, length, 0.14, format!("l_2 = {} m", params.piston_centre), ORANGE);
@@ -165,7 +156,7 @@ pub(crate) fn actuator() -> Result<Vec<Figure>, Failure> {
     sketch.line([[-0.25, 0.0], [0.35, 0.0]], Stroke::new(GRAY, 1.6));
     let [px, pz] = at(length, 0.0);
     sketch.line([[px - 0.3, pz], [px + 0.25, pz]], Stroke::new(GRAY, 1.6));
-    Ok(drawing("Figure 4.3: an actuator at home, lengths along it to scale", (820, 760), sketch))
+    Ok(vec![drawing("Figure 4.3: an actuator at home, lengths along it to scale", (820, 760), sketch)])
 }
 
 /// Figure 4.4.
@@ -194,5 +185,5 @@ pub(crate) fn spherical() -> Result<Vec<Figure>, Failure> {
     solid.dot(joint, 5.0, GRAY);
     solid.word(base, &format!("B_{}", leg + 1), [-12.0, 12.0]);
     solid.word(joint, &format!("P_{}", leg + 1), [0.0, -16.0]);
-    Ok(drawing("Figure 4.4: leg 3 in spherical coordinates, to scale", (820, 720), solid.sketch))
+    Ok(vec![drawing("Figure 4.4: leg 3 in spherical coordinates, to scale", (820, 720), solid.sketch)])
 }

@@ -1,7 +1,7 @@
 //! Drawings of bodies in space, seen from a side.
 
 use mbs_chart::style::{BLACK, Color, Stroke};
-use mbs_chart::{Camera, Sketch};
+use mbs_chart::{Camera, Figure, Panel, Sketch};
 use mbs_runtime::Pose;
 
 pub(crate) type Point = [f64; 3];
@@ -60,8 +60,7 @@ impl Solid {
 
     /// A word in a colour.
     pub(crate) fn tinted(&mut self, at: Point, word: &str, shift: [f64; 2], color: Color) {
-        self.word(at, word, shift);
-        self.sketch.styled(15.0, color);
+        self.sketch.styled(self.flat_point(at), word, shift, 15.0, color);
     }
 
     /// The axes of a frame, as long as said, with their names at their tips.
@@ -111,5 +110,12 @@ pub(crate) fn plane_arc([x, y]: [f64; 2], radius: f64, [from, to]: [f64; 2]) -> 
     (0..=144).map(at).collect()
 }
 
+/// A figure that is one drawing.
+pub(crate) fn drawing(title: &str, size: (u32, u32), sketch: Sketch) -> Figure {
+    Figure { title: title.to_string(), size, panels: vec![Panel::Sketch(sketch)] }
+}
+
+/// Of what arms, legs and vehicles are made of.
+pub(crate) const STEEL: Color = Color(176, 186, 198);
 /// The stroke of auxiliary lines.
 pub(crate) const THIN: Stroke = Stroke::new(BLACK, 1.0);

@@ -29,9 +29,8 @@ pub(crate) fn write(folder: &Path, grid: &Grid, map: &Map) -> Result<(), Failure
     let panels = vec![Panel::Row(vec![panel(0), panel(1)]), Panel::Row(vec![panel(2), panel(3)])];
     let title = format!("Landing time on a deck that heaves by A sin(ωt + φ): {}", map.law.name());
     let name = format!("landing_time_{}", map.law.key());
-    output::write_figure(folder, &name, &Figure { title, size: (1000, 900), panels }, &crate::ASSUMED)?;
+    output::write_figure(folder, &name, &Figure { title, size: (1000, 900), panels }, &crate::assumed_keys())?;
     // Rows of what lands.
-    let header = ["phase_deg", "frequency_rad_s", "amplitude_m", "time_s"].map(String::from);
     let rows = PHASES.iter().zip(&map.phases).flat_map(|(phase, rows)| {
         rows.iter().zip(&grid.frequencies).flat_map(move |(row, w)| {
             row.iter().zip(&grid.amplitudes).filter_map(move |(outcome, a)| match outcome {
@@ -40,5 +39,5 @@ pub(crate) fn write(folder: &Path, grid: &Grid, map: &Map) -> Result<(), Failure
             })
         })
     });
-    output::write_table(folder, &name, &header, rows)
+    output::write_table(folder, &name, "phase_deg frequency_rad_s amplitude_m time_s", rows)
 }

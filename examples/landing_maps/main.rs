@@ -14,7 +14,7 @@
 mod figures;
 mod map;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 use serde_json::{Map as Object, Value, json};
 
 use map::{Grid, LIMIT, Law, Map, Outcome, PHASES};
@@ -26,29 +26,20 @@ struct Options {
     cells: u32,
 }
 
-/// What the maps rest on; the guidance is not among them.
-const ASSUMED: [&str; 10] = [
-    "gravity",
-    "quadrotor.inertias",
-    "quadrotor.rotors",
-    "quadrotor.drag",
-    "quadrotor.gains",
-    "quadrotor.limits",
-    "quadrotor.least_lift",
-    "quadrotor.start",
-    "quadrotor.regulator",
-    "landing.tolerance",
-];
+/// What the maps rest on; the guidance is not among it.
+fn assumed_keys() -> Vec<&'static str> {
+    let landing = assumed::without(assumed::LANDING, "quadrotor.guidance");
+    [&landing[..], &["quadrotor.regulator", "landing.tolerance"]].concat()
+}
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let grid = Grid::new(arguments.options.cells as usize);
     let maps = Law::ALL.into_iter().map(|law| Map::flown(law, &grid)).collect::<Result<Vec<_>, _>>()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         maps.iter().try_for_each(|map| figures::write(folder, &grid, map))?;
     }
-    arguments.answer(to_json(&grid, &maps), &text(&grid, &maps), &ASSUMED);
+    arguments.answer(to_json(&grid, &maps), &text(&grid, &maps), &assumed_keys());
     Ok(())
 }
 

@@ -130,16 +130,16 @@ fn density(values: &[f64]) -> Points {
 
 /// Every fifth of a second: elevation, coordinates and thrusts of both runs.
 pub(crate) fn write_tables(folder: &Path, study: &Study) -> Result<(), Failure> {
-    let mut header = vec!["t_s".to_string(), "elevation_m".to_string()];
-    for run in &study.runs {
-        header.extend(["heave_m", "roll_rad", "pitch_rad", "yaw_rad"].map(|name| format!("{}_{name}", run.name)));
-    }
-    header.extend((1..=6).map(|i| format!("thrust_{i}_N")));
+    let [one, other] = study
+        .runs
+        .each_ref()
+        .map(|Run { name, .. }| format!("{name}_heave_m {name}_roll_rad {name}_pitch_rad {name}_yaw_rad"));
+    let words = format!("t_s elevation_m {one} {other} thrust_[1-6]_N");
     let elevation = study.elevation();
     let [free, controlled] = &study.runs;
     let row = |k: usize| {
         let (a, b) = (&free.moments[k], &controlled.moments[k]);
         [&[a.time, elevation[k]][..], &a.q, &b.q, &b.thrust].concat()
     };
-    output::write_table(folder, "marine_motion", &header, (0..elevation.len()).step_by(4).map(row))
+    output::write_table(folder, "marine_motion", &words, (0..elevation.len()).step_by(4).map(row))
 }

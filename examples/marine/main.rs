@@ -13,7 +13,7 @@ mod figures;
 mod run;
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 
 use run::{Study, Weather};
 
@@ -25,8 +25,7 @@ fn main() -> Result<(), Failure> {
     let study = Study::of(&arguments.options)?;
     let told = if arguments.options.is_assumed() { "" } else { "marine.weather" };
     let keys = |keys: &[&str]| assumed::without(keys, told);
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &study, &keys(&ASSUMED))?;
         figures::write_tables(folder, &study)?;
     }

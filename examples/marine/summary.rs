@@ -5,7 +5,7 @@ use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_platform::marine::control::linearized;
 use mbs_platform::marine::statistics::Statistics;
 use mbs_runtime::control::{Complex, damping_ratio, natural_frequency};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::run::{PERIOD, Run, Study};
 
@@ -52,12 +52,7 @@ pub(crate) fn to_json(study: &Study) -> Result<Value, Failure> {
     let [free, closed] = poles(study)?;
     let pairs = |poles: [Complex; 8]| poles.map(|pole| [pole.re, pole.im]);
     let named = |values: [f64; 4]| -> Value {
-        COORDINATES
-            .iter()
-            .zip(values)
-            .map(|((name, _), value)| (name.to_string(), json!(value)))
-            .collect::<Map<_, _>>()
-            .into()
+        COORDINATES.iter().zip(values).map(|((name, _), value)| (name.to_string(), json!(value))).collect()
     };
     let [before, after] = [0, 1].map(|run| statistics(&study.runs[run]));
     Ok(json!({
@@ -94,24 +89,23 @@ pub(crate) fn to_json(study: &Study) -> Result<Value, Failure> {
 }
 
 fn of_run(run: &Run) -> Value {
-    let mut all = Map::new();
+    let mut all = json!({});
     for (i, (name, _)) in COORDINATES.iter().enumerate() {
         let of = Statistics::of(&run.coordinate(i));
         let rate = Statistics::of(&run.moments.iter().map(|moment| moment.qd[i]).collect::<Vec<_>>());
-        let value = json!({
+        all[*name] = json!({
             "mean": of.mean,
             "rms": of.rms,
             "significant_double_amplitude": of.significant_double_amplitude(),
             "greatest": of.greatest,
             "rate_rms": rate.rms,
         });
-        all.insert(name.to_string(), value);
     }
-    all.insert("least_air_gap".into(), json!(run.least_air_gap));
-    all.insert("least_column_depth".into(), json!(run.least_depth));
-    all.insert("touchdown".into(), of_landing(&run.landings[0]));
-    all.insert("touchdowns".into(), run.landings.iter().map(of_landing).collect());
-    all.into()
+    all["least_air_gap"] = json!(run.least_air_gap);
+    all["least_column_depth"] = json!(run.least_depth);
+    all["touchdown"] = of_landing(&run.landings[0]);
+    all["touchdowns"] = run.landings.iter().map(of_landing).collect();
+    all
 }
 
 fn of_landing(end: &Touchdown) -> Value {
@@ -135,12 +129,11 @@ fn tilt(end: &Touchdown) -> f64 {
 fn thrusters(study: &Study) -> Value {
     let row = |i: usize| {
         let Use { greatest, rms, limited } = use_of(&study.runs[1], i);
-        (
-            THRUSTERS[i].to_string(),
-            json!({ "limit": study.limits.thrust[i], "greatest": greatest, "rms": rms, "limited": limited }),
-        )
+        let limit = study.limits.thrust[i];
+        let value = json!({ "limit": limit, "greatest": greatest, "rms": rms, "limited": limited });
+        (THRUSTERS[i].to_string(), value)
     };
-    (0..6).map(row).collect::<Map<_, _>>().into()
+    (0..6).map(row).collect()
 }
 
 pub(crate) fn text(study: &Study) -> Result<String, Failure> {
@@ -166,20 +159,12 @@ pub(crate) fn text(study: &Study) -> Result<String, Failure> {
     let periods = hull.natural_periods();
     let [before, after] = [0, 1].map(|run| statistics(&study.runs[run]));
     for (i, (name, unit)) in COORDINATES.iter().enumerate() {
-        let cells = [
-            before[i].mean,
-            after[i].mean,
-            before[i].rms,
-            after[i].rms,
-            before[i].significant_double_amplitude(),
-            after[i].significant_double_amplitude(),
-            before[i].greatest,
-            after[i].greatest,
-        ]
-        .map(|value| in_unit(i, value));
+        let of: [fn(&Statistics) -> f64; 4] =
+            [|s| s.mean, |s| s.rms, Statistics::significant_double_amplitude, |s| s.greatest];
+        let cells = of.into_iter().flat_map(|of| [of(&before[i]), of(&after[i])]).map(|value| in_unit(i, value));
         let label = format!("{name} [{unit}]");
         text += &format!("{label:<12} {:>9.2} ", periods[i]);
-        for (cell, width) in cells.iter().zip([9, 8, 9, 9, 14, 9, 14, 9]) {
+        for (cell, width) in cells.zip([9, 8, 9, 9, 14, 9, 14, 9]) {
             text += &format!(" {cell:>width$.3}");
         }
         text += "\n";

@@ -28,12 +28,8 @@ pub(crate) fn write(folder: &Path, comparison: &Comparison, front: &Front) -> Re
     let figure = Figure { title, size: (900, 1500), panels: panels.into_iter().flatten().collect() };
     output::write_figure(folder, "minimum_effort", &figure, &crate::ASSUMED)?;
     let title = "Time against effort of the arm's motion".to_string();
-    output::write_figure(
-        folder,
-        "pareto",
-        &Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] },
-        &crate::ASSUMED,
-    )
+    let figure = Figure { title, size: (900, 640), panels: vec![pareto(comparison, front)] };
+    output::write_figure(folder, "pareto", &figure, &crate::ASSUMED)
 }
 
 fn pareto(comparison: &Comparison, front: &Front) -> Panel {
@@ -51,17 +47,18 @@ fn pareto(comparison: &Comparison, front: &Front) -> Panel {
 }
 
 pub(crate) fn write_tables(folder: &Path, comparison: &Comparison, front: &Front) -> Result<(), Failure> {
-    let joints = |name: &str, unit: &str| (1..=6).map(|i| format!("{name}{i}{unit}")).collect::<Vec<_>>();
-    let header =
-        [vec!["t_s".to_string()], joints("q", "_deg"), joints("qd", "_deg_s"), joints("torque", "_of_limit")].concat();
     let row = |sample: &Sample| {
         let [q, qd] = [sample.state.q, sample.state.qd].map(|values| values.map(f64::to_degrees));
         [&[sample.t][..], &q, &qd, &sample.torque].concat()
     };
     for (name, samples) in [("quintic", &comparison.by_quintic), ("minimum_effort", &comparison.by_optimum)] {
-        output::write_table(folder, name, &header, samples.iter().map(row))?;
+        output::write_table(
+            folder,
+            name,
+            "t_s q[1-6]_deg qd[1-6]_deg_s torque[1-6]_of_limit",
+            samples.iter().map(row),
+        )?;
     }
-    let header = ["time_s", "effort_s", "slope"].map(String::from);
     let rows = front.choices().into_iter().map(|choice| vec![choice.duration, choice.effort, choice.slope]);
-    output::write_table(folder, "pareto", &header, rows)
+    output::write_table(folder, "pareto", "time_s effort_s slope", rows)
 }

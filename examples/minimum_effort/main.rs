@@ -14,7 +14,7 @@ mod motion;
 
 use std::fmt::Write;
 
-use mbs_examples::{Failure, arguments::Arguments, output};
+use mbs_examples::{Failure, arguments::Arguments};
 use serde_json::{Value, json};
 
 use front::Front;
@@ -37,8 +37,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let comparison = Comparison::new()?;
     let front = Front::new()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &comparison, &front)?;
         figures::write_tables(folder, &comparison, &front)?;
     }

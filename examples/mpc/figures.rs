@@ -13,29 +13,20 @@ use crate::flights::{Case, Flown, kept};
 /// `mpc_landing_CASE`, `mpc_planning_CASE`, and the curves as numbers.
 pub(crate) fn write(folder: &Path, case: &Case) -> Result<(), Failure> {
     let name = case.name;
+    let write = |what: &str, title: String, height: u32, panels: Vec<Panel>| {
+        let figure = Figure { title, size: (1100, height), panels };
+        output::write_figure(folder, &format!("mpc_{what}_{name}"), &figure, &crate::assumed_keys())
+    };
     let title = format!("Landings of case {name}: the shortest, planned anew, and predictive control");
-    output::write_figure(
-        folder,
-        &format!("mpc_landing_{name}"),
-        &Figure { title, size: (1100, 1250), panels: landing(case) },
-        &crate::assumed_keys(),
-    )?;
-    let title = format!("Case {name}: what plans say, and how long they take");
-    output::write_figure(
-        folder,
-        &format!("mpc_planning_{name}"),
-        &Figure { title, size: (1100, 850), panels: planning(case) },
-        &crate::assumed_keys(),
-    )?;
-    let header = ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad", "deck_m", "visibility_m", "tilt_rad"];
-    let header: Vec<String> =
-        header.into_iter().map(String::from).chain((1..=4).map(|i| format!("rotor{i}_rad_s"))).collect();
+    write("landing", title, 1250, landing(case))?;
+    write("planning", format!("Case {name}: what plans say, and how long they take"), 850, planning(case))?;
+    let words = "t_s x_m y_m z_m phi_rad theta_rad psi_rad deck_m visibility_m tilt_rad rotor[1-4]_rad_s";
     for (kind, flights) in [("shortest", &case.replanned), ("predictive", &case.predictive)] {
         for (air, flown) in ["calm", "windy"].into_iter().zip(flights) {
             let row = |m: &Moment| {
                 [&[m.time][..], &m.state.q, &[m.deck.position[2], m.visibility, m.tilt], &m.speeds].concat()
             };
-            output::write_table(folder, &format!("mpc_{kind}_{name}_{air}"), &header, kept(flown).map(row))?;
+            output::write_table(folder, &format!("mpc_{kind}_{name}_{air}"), words, kept(flown).map(row))?;
         }
     }
     Ok(())

@@ -18,7 +18,7 @@ mod flights;
 mod summary;
 
 use mbs_examples::quadrotor_landing::flight::CASES;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 use mbs_landing::quadrotor::predictive::controller::Horizon;
 
 use flights::{Case, looser};
@@ -58,8 +58,7 @@ fn main() -> Result<(), Failure> {
     let told = if is_assumed { "" } else { "predictive.horizon" };
     let keys = assumed::without(&assumed_keys(), told);
     let saved = looser()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         for case in &cases {
             figures::write(folder, case)?;
         }

@@ -5,7 +5,7 @@ use mbs_landing::quadrotor::predictive::sequential::Optimum;
 use mbs_landing::quadrotor::predictive::step::{ROTORS, STATES};
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_models::quadrotor_euler::Params;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::flights::{Case, Flown};
 
@@ -17,11 +17,7 @@ pub(crate) fn to_json(cases: &[Case], saved: &[(&str, f64)], horizon: &Horizon) 
         let mut plan = of_plan(shortest);
         plan["computing_time"] = json!(seconds);
         let flights = |flown: &[Flown; 2]| -> Value {
-            AIR.iter()
-                .zip(flown)
-                .map(|(air, flown)| ((*air).to_string(), of_flight(flown)))
-                .collect::<Map<_, _>>()
-                .into()
+            AIR.iter().zip(flown).map(|(air, flown)| ((*air).to_string(), of_flight(flown))).collect()
         };
         let results = json!({
             "deck_fall_bound": case.heave.acceleration_bound(),
@@ -35,8 +31,8 @@ pub(crate) fn to_json(cases: &[Case], saved: &[(&str, f64)], horizon: &Horizon) 
     };
     json!({
         "horizon": { "duration": horizon.duration, "intervals": horizon.intervals, "period": horizon.period },
-        "cases": cases.iter().map(of_case).collect::<Map<_, _>>(),
-        "looser": saved.iter().map(|(name, time)| ((*name).to_string(), json!(time))).collect::<Map<_, _>>(),
+        "cases": cases.iter().map(of_case).collect::<Value>(),
+        "looser": saved.iter().map(|(name, time)| ((*name).to_string(), json!(time))).collect::<Value>(),
     })
 }
 

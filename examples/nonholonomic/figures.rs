@@ -72,14 +72,10 @@ fn write_tables(folder: &Path, edge: &Edge, sleigh: &Sleigh, coin: &Coin) -> Res
     fn rows<const N: usize>(flown: &Flown<N>) -> impl Iterator<Item = Vec<f64>> + '_ {
         flown.samples.iter().zip(&flown.exact).map(|((t, s), exact)| [&[*t][..], &s.q, &exact.q].concat())
     }
-    let header = |names: &[&str]| {
-        let exact = names.iter().map(|name| format!("exact_{name}"));
-        let all = names.iter().map(ToString::to_string).chain(exact);
-        std::iter::once("t_s".to_string()).chain(all).collect::<Vec<_>>()
-    };
-    let plane = header(&["x_m", "y_m", "phi_rad"]);
-    output::write_table(folder, "nonholonomic_edge", &plane, rows(&edge.flown))?;
-    output::write_table(folder, "nonholonomic_sleigh", &plane, rows(&sleigh.flown))?;
-    let names = header(&["x_m", "y_m", "heading_rad", "lean_rad", "spin_rad"]);
-    output::write_table(folder, "nonholonomic_coin", &names, rows(&coin.flown))
+    let plane = "t_s x_m y_m phi_rad exact_x_m exact_y_m exact_phi_rad";
+    output::write_table(folder, "nonholonomic_edge", plane, rows(&edge.flown))?;
+    output::write_table(folder, "nonholonomic_sleigh", plane, rows(&sleigh.flown))?;
+    let exact = "exact_x_m exact_y_m exact_heading_rad exact_lean_rad exact_spin_rad";
+    let words = format!("t_s x_m y_m heading_rad lean_rad spin_rad {exact}");
+    output::write_table(folder, "nonholonomic_coin", &words, rows(&coin.flown))
 }

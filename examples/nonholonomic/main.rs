@@ -14,8 +14,7 @@ mod figures;
 mod flown;
 mod sleigh;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments};
 use serde_json::json;
 
 mbs_runtime::include_mechanism!("knife_edge");
@@ -28,19 +27,14 @@ const ASSUMED: [&str; 2] = ["gravity", "nonholonomic."];
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let (edge, sleigh, coin) = (edge::run()?, sleigh::run()?, coin::run()?);
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &edge, &sleigh, &coin)?;
     }
-    if arguments.json {
-        let value = json!({
-            "knife_edge": edge.to_json(),
-            "chaplygin_sleigh": sleigh.to_json(),
-            "rolling_coin": coin.to_json(),
-        });
-        println!("{}", assumed::with(value, &ASSUMED));
-        return Ok(());
-    }
-    print!("{}{}{}{}", edge.text(), sleigh.text(), coin.text(), assumed::text(&ASSUMED));
+    let results = json!({
+        "knife_edge": edge.to_json(),
+        "chaplygin_sleigh": sleigh.to_json(),
+        "rolling_coin": coin.to_json(),
+    });
+    arguments.answer(results, &[edge.text(), sleigh.text(), coin.text()].concat(), &ASSUMED);
     Ok(())
 }

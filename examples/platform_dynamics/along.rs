@@ -10,9 +10,9 @@ use mbs_examples::platform_dynamics::tables::PAYLOAD_OF_TABLE_4;
 use mbs_examples::{Failure, output};
 use mbs_platform::sensitivity::{Largest, OUTPUTS, Output, Parameter};
 use mbs_platform::{Motion, Platform};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use crate::histories::duration;
+use crate::cases::{ASSUMED, times};
 
 /// Between samples of the tables \[s\].
 const STEP: f64 = 0.05;
@@ -57,11 +57,6 @@ pub(crate) struct Table {
     rows: Vec<(Parameter, [Largest; OUTPUTS])>,
 }
 
-fn times(motion: &Motion, step: f64) -> impl Iterator<Item = f64> {
-    let last = (duration(motion) / step).round() as u32;
-    (0..=last).map(move |k| f64::from(k) * step)
-}
-
 /// The tables of every case.
 pub(crate) fn tables(platform: &Platform) -> Result<Vec<Table>, Failure> {
     let loaded = platform.with_payload(f64::from(PAYLOAD_OF_TABLE_4))?;
@@ -92,26 +87,22 @@ impl Table {
     /// By parameter the leg with the largest derivative of each kind.
     fn to_json(&self) -> Value {
         let entry = |(parameter, row): &(Parameter, [Largest; OUTPUTS])| {
-            let kinds: Map<String, Value> = ["length", "speed", "force", "power"]
-                .into_iter()
-                .zip(row.chunks(6))
-                .map(|(kind, legs)| {
-                    let of_all =
-                        legs.iter().enumerate().max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
-                    let (leg, largest) = of_all.map_or((0, Largest::default()), |(leg, largest)| (leg + 1, *largest));
-                    (kind.to_string(), json!({"value": largest.value, "leg": leg, "time": largest.time}))
-                })
-                .collect();
-            (parameter.to_string(), Value::from(kinds))
+            let of_kind = |(kind, legs): (&str, &[Largest])| {
+                let of_all = legs.iter().enumerate().max_by(|(_, a), (_, b)| a.value.abs().total_cmp(&b.value.abs()));
+                let (leg, largest) = of_all.map_or((0, Largest::default()), |(leg, largest)| (leg + 1, *largest));
+                (kind.to_string(), json!({"value": largest.value, "leg": leg, "time": largest.time}))
+            };
+            let kinds = ["length", "speed", "force", "power"].into_iter().zip(row.chunks(6)).map(of_kind);
+            (parameter.to_string(), kinds.collect::<Value>())
         };
-        self.rows.iter().map(entry).collect::<Map<_, _>>().into()
+        self.rows.iter().map(entry).collect()
     }
 }
 
 /// By case and parameter, SI units.
 pub(crate) fn to_json(tables: &[Table]) -> Value {
     let case = |table: &Table| (format!("case_{}", table.number), table.to_json());
-    tables.iter().map(case).collect::<Map<_, _>>().into()
+    tables.iter().map(case).collect()
 }
 
 /// The five parameters of each case that forces depend on most.
@@ -128,18 +119,16 @@ pub(crate) fn print(tables: &[Table], platform: &Platform) -> Result<(), Failure
 
 /// `sensitivity_case_1.csv` … `sensitivity_case_8.csv`: a row a parameter, a column an output.
 pub(crate) fn write(folder: &Path, tables: &[Table]) -> Result<(), Failure> {
-    for table in tables {
-        let path = folder.join(format!("sensitivity_case_{}.csv", table.number));
-        let mut writer = csv::Writer::from_path(path)?;
-        let outputs = Output::all().map(|output| format!("{output} [{}]", output.unit()));
-        writer.write_record(["by".to_string(), "its unit".to_string()].into_iter().chain(outputs))?;
-        for (parameter, row) in &table.rows {
-            let numbers = row.iter().map(|largest| largest.value.to_string());
-            writer.write_record([parameter.to_string(), parameter.unit().to_string()].into_iter().chain(numbers))?;
-        }
-        writer.flush()?;
-    }
-    Ok(())
+    let outputs = || Output::all().map(|output| format!("{output} [{}]", output.unit()));
+    let record = |(parameter, row): &(Parameter, [Largest; OUTPUTS])| -> Vec<String> {
+        let numbers = row.iter().map(|largest| largest.value.to_string());
+        [parameter.to_string(), parameter.unit().to_string()].into_iter().chain(numbers).collect()
+    };
+    tables.iter().try_for_each(|table| {
+        let header = ["by", "its unit"].map(String::from).into_iter().chain(outputs());
+        let name = format!("sensitivity_case_{}", table.number);
+        output::write_records(folder, &name, header, table.rows.iter().map(record))
+    })
 }
 
 /// One output by one parameter over time.
@@ -189,7 +178,7 @@ pub(crate) fn pair_to_json(courses: &[Course], Pair { output, parameter }: Pair)
         "parameter": parameter.name(),
         "unit": unit(output, parameter),
         "payload": PAYLOAD_OF_TABLE_4,
-        "cases": courses.iter().map(case).collect::<Map<_, _>>(),
+        "cases": courses.iter().map(case).collect::<Value>(),
     })
 }
 
@@ -214,14 +203,9 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
     // The combined case is five times as long as the others.
     let (periodic, combined) = courses.split_at(courses.len() - 1);
     let title = format!("Sensitivity of {output} to {parameter}, payload {PAYLOAD_OF_TABLE_4} kg");
-    output::write_figure(
-        folder,
-        &name,
-        &Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] },
-        &crate::CASES,
-    )?;
-    let rows = courses
-        .iter()
-        .flat_map(|course| course.points.iter().map(move |&(t, value)| vec![course.number as f64, t, value]));
-    output::write_table(folder, &name, &["case".to_string(), "t [s]".to_string(), label.clone()], rows)
+    let figure = Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] };
+    output::write_figure(folder, &name, &figure, &ASSUMED)?;
+    let row = |course: &Course, &(t, value): &(f64, f64)| vec![course.number as f64, t, value];
+    let rows = courses.iter().flat_map(|course| course.points.iter().map(|point| row(course, point)));
+    output::write_records(folder, &name, ["case".to_string(), "t [s]".to_string(), label.clone()], rows)
 }

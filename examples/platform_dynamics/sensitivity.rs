@@ -5,6 +5,7 @@
 use std::path::Path;
 
 use mbs_examples::Failure;
+use mbs_examples::output::{write_records, write_table};
 use mbs_platform::dynamics::{Direction, STILL};
 use mbs_platform::{LegVector, Motion, Platform};
 
@@ -52,18 +53,10 @@ pub(crate) fn stiffness(platform: &Platform) -> Result<[[f64; 6]; 6], Failure> {
 pub(crate) fn write(folder: &Path, platform: &Platform) -> Result<(), Failure> {
     // Where the platform cannot be held no file is begun.
     let (rows, stiffness) = (rows(platform)?, stiffness(platform)?);
-    let mut writer = csv::Writer::from_path(folder.join("sensitivity.csv"))?;
-    writer.write_record(["by", "unit", "leg 1", "leg 2", "leg 3", "leg 4", "leg 5", "leg 6"])?;
-    for (by, unit, derivatives) in rows {
-        let numbers = derivatives.iter().map(f64::to_string);
-        writer.write_record([by.to_string(), unit.to_string()].into_iter().chain(numbers))?;
-    }
-    writer.flush()?;
-    let mut writer = csv::Writer::from_path(folder.join("stiffness.csv"))?;
-    writer.write_record(["v_x", "v_y", "v_z", "w_x", "w_y", "w_z"])?;
-    for row in stiffness {
-        writer.write_record(row.iter().map(f64::to_string))?;
-    }
-    writer.flush()?;
-    Ok(())
+    let header = ["by", "unit", "leg 1", "leg 2", "leg 3", "leg 4", "leg 5", "leg 6"].map(String::from);
+    let record = |(by, unit, derivatives): Row| {
+        [&[by.to_string(), unit.to_string()][..], &derivatives.map(|number| number.to_string())].concat()
+    };
+    write_records(folder, "sensitivity", header, rows.into_iter().map(record))?;
+    write_table(folder, "stiffness", "v_x v_y v_z w_x w_y w_z", stiffness.into_iter().map(Vec::from))
 }

@@ -1,47 +1,13 @@
 //! The summary: what each motion asks of the legs, and where it asks too much.
 
-use mbs_examples::{print, println};
-use std::path::Path;
-
-use mbs_examples::{Failure, output::write_table};
+use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS, Samples, TABLE_4, table_3, table_4};
+use mbs_examples::{Failure, print, println};
 use mbs_platform::limits::{Excess, Survey};
 use mbs_platform::{HOME, LegVector, Motion, Platform};
 
+use crate::cases::{Case, POWER, STEP};
 use crate::control::{self, follow};
-use crate::histories::{History, POWER, STEP, duration};
 use crate::{MOMENT, POSE, Results, along, direct, sensitivity};
-use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS, Samples, TABLE_4, table_3, table_4};
-
-/// A motion, and what it asks of the legs under one payload.
-pub(crate) struct Study {
-    number: usize,
-    name: &'static str,
-    payload: u32,
-    pub(crate) with_actuators: Survey,
-    without_actuators: Survey,
-}
-
-pub(crate) fn studies(platform: &Platform) -> Result<Vec<Study>, Failure> {
-    let mut studies = Vec::new();
-    for (i, (name, motion)) in Motion::CASES.iter().enumerate() {
-        let end = duration(motion);
-        for payload in PAYLOADS {
-            let loaded = platform.with_payload(f64::from(payload))?;
-            studies.push(Study {
-                number: i + 1,
-                name,
-                payload,
-                with_actuators: loaded.survey(motion, end, STEP)?,
-                without_actuators: loaded.without_actuator_inertia().survey(motion, end, STEP)?,
-            });
-        }
-    }
-    Ok(studies)
-}
-
-fn excesses(survey: &Survey) -> impl Iterator<Item = &Excess> {
-    survey.excesses.as_flattened().iter().flatten()
-}
 
 pub(crate) fn print(platform: &Platform, results: &Results) -> Result<(), Failure> {
     println!("The Stewart platform PS-6TL-1500, geometry and masses assumed\n");
@@ -74,8 +40,8 @@ pub(crate) fn print(platform: &Platform, results: &Results) -> Result<(), Failur
         println!("  {} {name}", row(&run.forces[0], 2));
         println!("  {} {name}, legs without mass", row(&run.forces_without_actuators[0], 2));
     }
-    print_studies(platform, &results.studies);
-    print_power(&results.histories);
+    print_cases(platform, &results.cases);
+    print_power(&results.cases);
     print_sensitivity(platform)?;
     along::print(&results.tables, platform)?;
     if let Some((pair, courses)) = &results.pair {
@@ -85,20 +51,20 @@ pub(crate) fn print(platform: &Platform, results: &Results) -> Result<(), Failur
     print_control(platform)
 }
 
-fn print_studies(platform: &Platform, studies: &[Study]) {
+fn print_cases(platform: &Platform, cases: &[Case]) {
     let limits = platform.limits;
     println!(
         "\nEight motions: lengths [m], speed [m/s], condition; largest force [N], in brackets on legs without mass"
     );
-    for of_one in studies.chunks(PAYLOADS.len()) {
-        let Survey { length: [shortest, longest], speed, condition, .. } = of_one[0].with_actuators;
+    for of_motion in cases.chunks(PAYLOADS.len()) {
+        let Survey { length: [shortest, longest], speed, condition, .. } = of_motion[0].with_actuators;
         print!(
             "  {} {:9} {shortest:.3} to {longest:.3}, {speed:.3}, {:.2};",
-            of_one[0].number, of_one[0].name, condition.0
+            of_motion[0].number, of_motion[0].name, condition.0
         );
-        for study in of_one {
-            let [with, without] = [&study.with_actuators, &study.without_actuators].map(|survey| survey.force);
-            print!("  {} kg: {with:.0} ({without:.0})", study.payload);
+        for case in of_motion {
+            let [with, without] = [&case.with_actuators, &case.without_actuators].map(|survey| survey.force);
+            print!("  {} kg: {with:.0} ({without:.0})", case.payload);
         }
         println!();
     }
@@ -106,39 +72,28 @@ fn print_studies(platform: &Platform, studies: &[Study]) {
         "\nBeyond the limits {} to {} m, {} m/s, {} N, legs with mass:",
         limits.shortest, limits.longest, limits.speed, limits.force
     );
-    for study in studies {
+    for case in cases {
+        let Case { number, name, payload, .. } = case;
         // Lengths and speeds are those of all payloads.
-        let told =
-            excesses(&study.with_actuators).filter(|excess| study.payload == 0 || excess.first.quantity.unit() == "N");
-        for Excess { first, worst } in told {
-            let (what, unit) = (worst.quantity, worst.quantity.unit());
-            let load = if unit == "N" { format!(", payload {} kg", study.payload) } else { String::new() };
+        for Excess { first, worst } in case.excesses().filter(|of| *payload == 0 || of.first.quantity.unit() == "N") {
+            let (what, unit, leg) = (worst.quantity, worst.quantity.unit(), worst.leg + 1);
+            let load = if unit == "N" { format!(", payload {payload} kg") } else { String::new() };
             println!(
-                "  motion {} ({}{load}), leg {}: {what} from {:.2} s on, most at {:.2} s: {:.3} {unit}, the limit is {} {unit}",
-                study.number,
-                study.name,
-                worst.leg + 1,
-                first.time,
-                worst.time,
-                worst.value,
-                worst.limit
+                "  motion {number} ({name}{load}), leg {leg}: {what} from {:.2} s on, most at {:.2} s: {:.3} {unit}, the limit is {} {unit}",
+                first.time, worst.time, worst.value, worst.limit
             );
         }
     }
-    let clear = studies.iter().filter(|study| study.with_actuators.is_clear()).count();
-    println!("  {clear} of {} combinations of motion and payload keep all limits", studies.len());
+    let clear = cases.iter().filter(|case| case.with_actuators.is_clear()).count();
+    println!("  {clear} of {} combinations of motion and payload keep all limits", cases.len());
 }
 
-fn print_power(histories: &[History]) {
+fn print_power(cases: &[Case]) {
     println!("\nPower [W]: of one leg, and of all six together, least to greatest, payload {PAYLOAD_OF_TABLE_4} kg");
-    for history in histories.iter().filter(|history| history.payload == PAYLOAD_OF_TABLE_4) {
-        let [least, greatest] = history.extremes(POWER.1).map(|extreme| extreme.value);
-        let [lowest, highest] =
-            history.total_power().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
-        println!(
-            "  {} {:9} {least:8.0} to {greatest:6.0}; {lowest:8.0} to {highest:6.0}",
-            history.number, history.name
-        );
+    for case in cases.iter().filter(|case| case.payload == PAYLOAD_OF_TABLE_4) {
+        let [least, greatest] = case.extremes(POWER).map(|extreme| extreme.value);
+        let ([lowest, highest], Case { number, name, .. }) = (case.total_power(), case);
+        println!("  {number} {name:9} {least:8.0} to {greatest:6.0}; {lowest:8.0} to {highest:6.0}");
     }
 }
 
@@ -197,65 +152,6 @@ fn print_control(platform: &Platform) -> Result<(), Failure> {
             ),
         }
     }
-    Ok(())
-}
-
-/// `cases.csv`: what each motion asks of the legs, by payload; `limits.csv`: where it exceeds the limits, by payload
-/// and leg.
-///
-/// Forces in `limits.csv` are those on legs with mass; `cases.csv` has the largest ones on legs without mass too.
-pub(crate) fn write(folder: &Path, studies: &[Study]) -> Result<(), Failure> {
-    let header = [
-        "motion",
-        "payload [kg]",
-        "shortest leg [m]",
-        "longest leg [m]",
-        "largest speed [m/s]",
-        "largest condition",
-        "largest force, legs with mass [N]",
-        "largest force, legs without mass [N]",
-    ];
-    let rows = studies.iter().map(|Study { number, payload, with_actuators, without_actuators, .. }| {
-        let Survey { length: [shortest, longest], speed, force, condition, .. } = *with_actuators;
-        let payload = f64::from(*payload);
-        vec![*number as f64, payload, shortest, longest, speed, condition.0, force, without_actuators.force]
-    });
-    write_table(folder, "cases", &header.map(String::from), rows)?;
-    let mut writer = csv::Writer::from_path(folder.join("limits.csv"))?;
-    writer.write_record([
-        "motion",
-        "name",
-        "payload [kg]",
-        "leg",
-        "limit",
-        "unit",
-        "limit value",
-        "first time [s]",
-        "first value",
-        "worst time [s]",
-        "worst value",
-        "legs",
-    ])?;
-    for study in studies {
-        for Excess { first, worst } in excesses(&study.with_actuators) {
-            let record = [
-                study.number.to_string(),
-                study.name.to_string(),
-                study.payload.to_string(),
-                (worst.leg + 1).to_string(),
-                worst.quantity.to_string(),
-                worst.quantity.unit().to_string(),
-                worst.limit.to_string(),
-                first.time.to_string(),
-                first.value.to_string(),
-                worst.time.to_string(),
-                worst.value.to_string(),
-                "with mass".to_string(),
-            ];
-            writer.write_record(record)?;
-        }
-    }
-    writer.flush()?;
     Ok(())
 }
 

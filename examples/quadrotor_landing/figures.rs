@@ -19,7 +19,7 @@ pub(crate) fn write(folder: &Path, flight: &Flight, legs: &[(f64, LegState)]) ->
         return output::write_figures(folder, &thesis::drawn(flight, legs));
     }
     let drawn = at_sea(flight, legs);
-    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::ASSUMED))
+    drawn.iter().try_for_each(|(name, figure)| output::write_figure(folder, name, figure, &crate::assumed_keys()))
 }
 
 fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
@@ -37,30 +37,15 @@ fn at_sea(flight: &Flight, legs: &[(f64, LegState)]) -> Vec<(String, Figure)> {
     let figure = |name: &str, what: &str, height: u32, panels: Vec<Panel>| {
         (format!("{MARINE}_{name}"), Figure { title: format!("Deck at sea: {what}"), size: (1100, height), panels })
     };
+    let elevations = vec![over("z [m]", &elevation), over("height over the deck [m]", &height)];
+    let attitudes = vec![over("angle [°]", &ANGLES), over("against the deck [°]", &against_deck)];
+    let rotors = [over("thrust of a rotor [N]", &ROTORS), over("thrust asked for [N]", &total)];
+    let forces = rotors.into_iter().chain([Panel::over_time("force of a leg [N]", time.clone(), leg_forces)]);
     vec![
         figure("path", "path of the quadrotor", 800, path(flight)),
-        figure(
-            "elevation",
-            "elevation",
-            800,
-            vec![over("z [m]", &elevation), over("height over the deck [m]", &height)],
-        ),
-        figure(
-            "attitude",
-            "attitude",
-            800,
-            vec![over("angle [°]", &ANGLES), over("against the deck [°]", &against_deck)],
-        ),
-        figure(
-            "forces",
-            "forces of the rotors and of the platform's legs",
-            1000,
-            vec![
-                over("thrust of a rotor [N]", &ROTORS),
-                over("thrust asked for [N]", &total),
-                Panel::over_time("force of a leg [N]", time.clone(), leg_forces),
-            ],
-        ),
+        figure("elevation", "elevation", 800, elevations),
+        figure("attitude", "attitude", 800, attitudes),
+        figure("forces", "forces of the rotors and of the platform's legs", 1000, forces.collect()),
     ]
 }
 
@@ -109,50 +94,38 @@ pub(crate) fn write_platform<const K: usize>(folder: &Path, on_platform: &OnPlat
         if driven.greatest_error.angle > 1e-9 {
             errors.push(Line::new("angle [mrad]", of(&|m| 1e3 * error(m).angle)));
         }
+        let legs = |of: fn(&LegState) -> LegVector| leg_lines(moments.iter().map(|m| (m.time, of(&m.legs))));
         let panels = vec![
             Panel::over_time("elevation [m]", 0.0..end, elevations),
             Panel::over_time("off by", 0.0..end, errors),
-            Panel::over_time(
-                "length of a leg [m]",
-                0.0..end,
-                leg_lines(moments.iter().map(|m| (m.time, m.legs.length))),
-            ),
-            Panel::over_time(
-                "force asked for [N]",
-                0.0..end,
-                leg_lines(moments.iter().map(|m| (m.time, m.legs.force))),
-            ),
+            Panel::over_time("length of a leg [m]", 0.0..end, legs(|legs| legs.length)),
+            Panel::over_time("force asked for [N]", 0.0..end, legs(|legs| legs.force)),
         ];
         let how = if name == "full" { "motion in full, raised".to_string() } else { format!("motion × {scale:.3}") };
         let deck = if on_platform.case == MARINE { "deck at sea".to_string() } else { case.replace('_', " ") };
         let title = format!("The platform under control, {deck}, {how}");
         let name = format!("{case}_platform_{name}");
-        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::ASSUMED)?;
-        let mut header: Vec<String> = ["t_s", "z_m", "height_m"].map(String::from).into();
-        for coordinates in ["platform", "planned"] {
-            header
-                .extend(["x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad"].map(|c| format!("{coordinates}_{c}")));
-        }
-        header.extend(leg_header());
+        output::write_figure(folder, &name, &Figure { title, size: (1100, 1100), panels }, &crate::assumed_keys())?;
+        let pose = |of: &str| POSE.split(' ').map(|word| format!(" {of}_{word}")).collect::<String>();
+        let words = format!("t_s z_m height_m{}{} {LEGS}", pose("platform"), pose("planned"));
         let row = |m: &DrivenMoment| {
             let height = m.deck.relative(&m.vehicle.q, &m.vehicle.qd).offset[2];
             let LegState { length, rate, force } = m.legs;
             [&[m.time, m.vehicle.q[2], height][..], &m.platform.q, &plan(m), &length, &rate, &force].concat()
         };
-        output::write_table(folder, &name, &header, moments.iter().map(row))?;
+        output::write_table(folder, &name, &words, moments.iter().map(row))?;
     }
     Ok(())
 }
 
-fn leg_header() -> impl Iterator<Item = String> {
-    ["length_m", "rate_m_s", "force_N"].into_iter().flat_map(|what| (1..=6).map(move |leg| format!("leg{leg}_{what}")))
-}
+/// Columns of a pose, and of what the legs do.
+const POSE: &str = "x_m y_m z_m phi_rad theta_rad psi_rad";
+const LEGS: &str = "leg[1-6]_length_m leg[1-6]_rate_m_s leg[1-6]_force_N";
 
 /// `NAME_legs.csv`: what the legs do where the platform moves exactly as it is to.
 pub(crate) fn write_legs(folder: &Path, case: &str, legs: &[(f64, LegState)]) -> Result<(), Failure> {
-    let header: Vec<String> = ["t_s".to_string()].into_iter().chain(leg_header()).collect();
     let row = |(t, legs): &(f64, LegState)| [&[*t][..], &legs.length, &legs.rate, &legs.force].concat();
-    output::write_table(folder, &format!("{}_legs", table_name(case)), &header, legs.iter().map(row))
+    output::write_table(folder, &format!("{}_legs", table_name(case)), &format!("t_s {LEGS}"), legs.iter().map(row))
 }
 
 fn table_name(case: &str) -> String {
@@ -160,11 +133,9 @@ fn table_name(case: &str) -> String {
 }
 
 pub(crate) fn write_table(folder: &Path, flight: &Flight) -> Result<(), Failure> {
-    let mut header: Vec<String> =
-        ["t_s", "x_m", "y_m", "z_m", "phi_rad", "theta_rad", "psi_rad"].map(String::from).into();
-    header.extend(["vx_m_s", "vy_m_s", "vz_m_s", "phi_dot", "theta_dot", "psi_dot"].map(String::from));
-    header.extend(["platform_m", "thrust_N", "rotor1_N", "rotor2_N", "rotor3_N", "rotor4_N"].map(String::from));
+    let rates = "vx_m_s vy_m_s vz_m_s phi_dot theta_dot psi_dot";
+    let words = format!("t_s {POSE} {rates} platform_m thrust_N rotor[1-4]_N");
     let row = |m: &Moment| [&[m.t][..], &m.state.q, &m.state.qd, &[m.platform, m.thrust], &m.rotor_thrust].concat();
     let name = format!("{}_{}", table_name(flight.case), flight.kind.name());
-    output::write_table(folder, &name, &header, flight.moments.iter().map(row))
+    output::write_table(folder, &name, &words, flight.moments.iter().map(row))
 }

@@ -19,66 +19,18 @@
 //! SVG and PNG, and every curve as CSV.
 
 mod figures;
+mod landings;
 mod summary;
 
-use mbs_examples::quadrotor_landing::flight::{self, CASES, Flight, Kind, MARINE};
-use mbs_examples::quadrotor_landing::gusts::{self, InGusts};
-use mbs_examples::quadrotor_landing::platform::{self, OnPlatform};
-use mbs_examples::{Failure, arguments::Arguments, output};
-use mbs_platform::limits::LegState;
-use mbs_platform::{HOME, Superposition};
+use mbs_examples::quadrotor_landing::{flight::Kind, gusts};
+use mbs_examples::{Failure, arguments::Arguments, assumed, output};
 
-/// All landings.
-struct Landings {
-    flights: Vec<Flight>,
-    /// The cases of the thesis on the Stewart platform.
-    heaving: Vec<OnPlatform<4>>,
-    marine: OnPlatform<2>,
-    /// The cases of the thesis in gusts.
-    gusts: Vec<InGusts>,
-}
+use landings::Landings;
 
-impl Landings {
-    fn simulated() -> Result<Self, Failure> {
-        let (mut flights, mut heaving) = (Vec::new(), Vec::new());
-        for (case, heave) in CASES {
-            for kind in Kind::ALL.into_iter().chain([Kind::Unguided]) {
-                flights.push(Flight::of(case, kind, flight::heaving(heave))?);
-            }
-            heaving.push(OnPlatform::of(case, &heave.about(HOME[2]), [0.0; 3])?);
-        }
-        for kind in Kind::ALL {
-            flights.push(Flight::of(MARINE, kind, flight::marine(Superposition::MARINE))?);
-        }
-        let marine = OnPlatform::of(MARINE, &Superposition::MARINE, flight::FIELD)?;
-        let gusts = CASES.map(|(case, heave)| InGusts::of(case, heave)).into_iter().collect::<Result<_, _>>()?;
-        Ok(Landings { flights, heaving, marine, gusts })
-    }
-
-    /// Of a case of the thesis.
-    fn on_platform(&self, case: &str) -> Option<&OnPlatform<4>> {
-        self.heaving.iter().find(|on_platform| on_platform.case == case)
-    }
-
-    /// What the legs do along the motion of a case in full, exactly as it is to be, up to a time \[s\].
-    fn legs(&self, case: &str, end: f64) -> Result<Vec<(f64, LegState)>, Failure> {
-        match self.on_platform(case) {
-            Some(on_platform) => platform::legs(&on_platform.full.motion, end),
-            None => platform::legs(&self.marine.full.motion, end),
-        }
-    }
-}
-
-/// What the landings rest on.
-const ASSUMED: [&str; 17] = [
+/// What the landings rest on, beside what every leg and the wind does.
+const ASSUMED: [&str; 9] = [
     "gravity",
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
     "platform.attitude",
-    "platform.plate",
-    "platform.cylinders",
-    "platform.pistons",
     "platform.limits",
     "quadrotor.",
     "landing.sampling",
@@ -86,15 +38,17 @@ const ASSUMED: [&str; 17] = [
     "landing.platform_control",
     "landing.marine",
     "landing.marine_frequencies",
-    gusts::ASSUMED[0],
-    gusts::ASSUMED[1],
 ];
+
+/// What every number rests on.
+fn assumed_keys() -> Vec<&'static str> {
+    [assumed::PLATFORM, &gusts::ASSUMED, &ASSUMED].concat()
+}
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let landings = Landings::simulated()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         for flight in &landings.flights {
             figures::write_table(folder, flight)?;
             if flight.kind == Kind::Exact {
@@ -113,9 +67,9 @@ fn main() -> Result<(), Failure> {
         figures::write_platform(folder, &landings.marine)?;
         for in_gusts in &landings.gusts {
             let (name, figure) = in_gusts.drawn();
-            output::write_figure(folder, &name, &figure, &ASSUMED)?;
+            output::write_figure(folder, &name, &figure, &assumed_keys())?;
         }
     }
-    arguments.answer(summary::to_json(&landings)?, &summary::text(&landings)?, &ASSUMED);
+    arguments.answer(summary::to_json(&landings)?, &summary::text(&landings)?, &assumed_keys());
     Ok(())
 }

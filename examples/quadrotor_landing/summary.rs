@@ -5,7 +5,7 @@ use mbs_landing::quadrotor::deck::Relative;
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use serde_json::{Map, Value, json};
 
-use crate::Landings;
+use crate::landings::Landings;
 use mbs_examples::quadrotor_landing::flight::{CASES, Flight, Kind, MARINE, ROTOR_RADIUS, TOLERANCE};
 use mbs_examples::quadrotor_landing::gusts;
 use mbs_examples::quadrotor_landing::platform::{OnPlatform, force_range};
@@ -119,7 +119,7 @@ pub(crate) fn text(landings: &Landings) -> Result<String, Failure> {
     text += &landings.gusts.iter().map(gusts::InGusts::summary).collect::<String>();
 
     text += "\nForces of the legs along the motions in full, by inverse dynamics, nothing on the platform\n";
-    for flight in landings.flights.iter().filter(|flight| flight.kind == crate::Kind::Exact) {
+    for flight in landings.flights.iter().filter(|flight| flight.kind == Kind::Exact) {
         let [least, greatest] = force_range(&landings.legs(flight.case, flight.touchdown.time)?);
         text += &format!("  {:<6} {least:.0} to {greatest:.0} N a leg\n", flight.case);
     }

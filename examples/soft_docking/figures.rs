@@ -12,30 +12,20 @@ type Points = Vec<(f64, f64)>;
 
 pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[Burn]) -> Result<(), Failure> {
     let write = |name: &str, title: &str, panels: Vec<Panel>| {
-        output::write_figure(
-            folder,
-            name,
-            &Figure { title: title.to_string(), size: (1100, 850), panels },
-            &crate::ASSUMED,
-        )
+        let figure = Figure { title: title.to_string(), size: (1100, 850), panels };
+        output::write_figure(folder, name, &figure, &crate::ASSUMED)
     };
     let touch = flight.report.contact.time;
     let before: Vec<&Moment> = flight.moments.iter().filter(|moment| moment.time < touch).collect();
     let of = |value: &dyn Fn(&Moment) -> f64| -> Points { before.iter().map(|m| (m.time, value(m))).collect() };
+    let above = ("above", of(&|m| m.ports.place[2]));
+    let roll = ("roll", of(&|m| m.ports.roll.to_degrees()));
     let panels = vec![
         curves("t [s]", "to go [m]", vec![("", of(&|m| -m.ports.place[0]))]),
         curves("t [s]", "behind the reference [mm]", vec![("", of(&|m| 1e3 * (m.wanted - m.ports.place[0])))]),
         curves("t [s]", "closing speed [m/s]", vec![("", of(&|m| m.ports.closing()))]),
-        curves(
-            "t [s]",
-            "beside the axis [m]",
-            vec![("left", of(&|m| m.ports.place[1])), ("above", of(&|m| m.ports.place[2]))],
-        ),
-        curves(
-            "t [s]",
-            "of the ports [°]",
-            vec![("tilt", of(&|m| m.ports.tilt.to_degrees())), ("roll", of(&|m| m.ports.roll.to_degrees()))],
-        ),
+        curves("t [s]", "beside the axis [m]", vec![("left", of(&|m| m.ports.place[1])), above]),
+        curves("t [s]", "of the ports [°]", vec![("tilt", of(&|m| m.ports.tilt.to_degrees())), roll]),
     ];
     write("soft_docking_approach", "Final approach by the frames of the ports", panels)?;
     let panels = vec![
@@ -67,15 +57,12 @@ pub(crate) fn write(folder: &Path, flight: &Flight, contacts: &[Case], burns: &[
         burns.iter().rev().map(|burn| (burn.raise.durations[0], 1e3 * burn.raise.gravity_loss)).collect();
     let factor = loss.first().map_or(0.0, |(duration, loss)| loss / (duration * duration));
     let beyond = loss.iter().map(|(t, loss)| (*t, loss - factor * t * t)).collect();
+    let duration = "duration of the first burn [s]";
     let low = |i: usize| -> Points { burns.iter().rev().map(|b| (b.raise.durations[0], b.raise.too_low[i])).collect() };
     let panels = vec![
-        curves("duration of the first burn [s]", "gravity loss [mm/s]", vec![("", loss)]),
-        curves("duration of the first burn [s]", "more than by the square of the duration [mm/s]", vec![("", beyond)]),
-        curves(
-            "duration of the first burn [s]",
-            "orbit too low [m]",
-            vec![("periapsis", low(0)), ("apoapsis", low(1))],
-        ),
+        curves(duration, "gravity loss [mm/s]", vec![("", loss)]),
+        curves(duration, "more than by the square of the duration [mm/s]", vec![("", beyond)]),
+        curves(duration, "orbit too low [m]", vec![("periapsis", low(0)), ("apoapsis", low(1))]),
     ];
     write("soft_docking_burns", "Burns that last, from 320 km to 400 km", panels)?;
     tables(folder, flight, burns)
@@ -88,41 +75,17 @@ fn curves(x_label: &str, y_label: &str, lines: Vec<(&str, Points)>) -> Panel {
 }
 
 fn tables(folder: &Path, flight: &Flight, burns: &[Burn]) -> Result<(), Failure> {
-    let header = [
-        "t_s",
-        "depth_m",
-        "left_m",
-        "above_m",
-        "closing_m_s",
-        "tilt_rad",
-        "roll_rad",
-        "impulse_N_s",
-        "plume_N_s",
-        "ring_N",
-        "energy_J",
-    ];
+    let ports = "depth_m left_m above_m closing_m_s tilt_rad roll_rad";
+    let words = format!("t_s {ports} impulse_N_s plume_N_s ring_N energy_J");
     let row = |m: &Moment| {
-        let ports = &m.ports;
-        let place = &ports.place;
-        vec![
-            m.time,
-            place[0],
-            place[1],
-            place[2],
-            ports.closing(),
-            ports.tilt,
-            ports.roll,
-            m.impulse,
-            m.plume,
-            m.ring,
-            m.energy,
-        ]
+        let ports = [m.ports.closing(), m.ports.tilt, m.ports.roll];
+        [&[m.time][..], &m.ports.place, &ports, &[m.impulse, m.plume, m.ring, m.energy]].concat()
     };
-    output::write_table(folder, "soft_docking_way", &header.map(String::from), flight.moments.iter().map(row))?;
-    let header = ["thrust_N", "first_s", "second_s", "gravity_loss_m_s", "periapsis_too_low_m", "apoapsis_too_low_m"];
+    output::write_table(folder, "soft_docking_way", &words, flight.moments.iter().map(row))?;
+    let words = "thrust_N first_s second_s gravity_loss_m_s periapsis_too_low_m apoapsis_too_low_m";
     let row = |burn: &Burn| {
         let raise = &burn.raise;
         [&[burn.thrust][..], &raise.durations, &[raise.gravity_loss], &raise.too_low].concat()
     };
-    output::write_table(folder, "soft_docking_burns", &header.map(String::from), burns.iter().map(row))
+    output::write_table(folder, "soft_docking_burns", words, burns.iter().map(row))
 }

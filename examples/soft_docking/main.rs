@@ -12,8 +12,7 @@ mod cases;
 mod figures;
 mod report;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_examples::{print, println};
+use mbs_examples::{Failure, arguments::Arguments};
 
 /// What all of it rests on.
 const ASSUMED: [&str; 2] = ["orbit.altitude", "soft_docking."];
@@ -23,19 +22,10 @@ fn main() -> Result<(), Failure> {
     let flights = cases::flights()?;
     let contacts = cases::contacts()?;
     let burns = cases::burns()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         figures::write(folder, &flights[0], &contacts, &burns)?;
     }
-    if arguments.json {
-        let mut value = report::flight(&flights[0]);
-        value["straight_jets"] = report::flight(&flights[1]);
-        value["contacts"] = contacts.iter().map(report::contact).collect();
-        value["finite_burns"] = burns.iter().map(report::burn).collect();
-        value["ring"] = report::ring(&flights[0]);
-        println!("{}", assumed::with(value, &ASSUMED));
-    } else {
-        print!("{}{}", report::text(&flights, &contacts, &burns), assumed::text(&ASSUMED));
-    }
+    let results = report::to_json(&flights, &contacts, &burns);
+    arguments.answer(results, &report::text(&flights, &contacts, &burns), &ASSUMED);
     Ok(())
 }

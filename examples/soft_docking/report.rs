@@ -53,7 +53,7 @@ fn of_contact(contact: &Contact) -> Value {
     })
 }
 
-pub(crate) fn flight(flight: &Flight) -> Value {
+fn flight(flight: &Flight) -> Value {
     let report = &flight.report;
     json!({
         "contact": of_contact(&report.contact),
@@ -73,13 +73,13 @@ pub(crate) fn flight(flight: &Flight) -> Value {
     })
 }
 
-pub(crate) fn contact(case: &Case) -> Value {
+fn contact(case: &Case) -> Value {
     let mut value = of_contact(&case.contact);
     value["name"] = case.name.into();
     value
 }
 
-pub(crate) fn burn(burn: &Burn) -> Value {
+fn burn(burn: &Burn) -> Value {
     let raise = &burn.raise;
     json!({
         "thrust": burn.thrust,
@@ -92,9 +92,14 @@ pub(crate) fn burn(burn: &Burn) -> Value {
     })
 }
 
-pub(crate) fn ring(flight: &Flight) -> Value {
-    let [frequency, damping] = axial_oscillator(&flight.docking.params);
-    json!({"axial_frequency": frequency, "axial_damping_ratio": damping})
+pub(crate) fn to_json(flights: &[Flight; 2], contacts: &[Case], burns: &[Burn]) -> Value {
+    let mut all = flight(&flights[0]);
+    all["straight_jets"] = flight(&flights[1]);
+    all["contacts"] = contacts.iter().map(contact).collect();
+    all["finite_burns"] = burns.iter().map(burn).collect();
+    let [frequency, damping] = axial_oscillator(&flights[0].docking.params);
+    all["ring"] = json!({"axial_frequency": frequency, "axial_damping_ratio": damping});
+    all
 }
 
 pub(crate) fn text(flights: &[Flight; 2], contacts: &[Case], burns: &[Burn]) -> String {

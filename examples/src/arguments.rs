@@ -1,11 +1,12 @@
 //! `[--json] [--out DIR]`, and what an example asks for besides; `--help` is what stands on top of its source.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{CommandFactory, FromArgMatches, Parser};
 use serde_json::Value;
 
-use crate::assumed;
+use crate::{Failure, assumed, output};
 
 /// The arguments that every example takes, and options of its own.
 #[derive(Clone, Debug, Parser)]
@@ -37,14 +38,34 @@ impl<O: clap::Args> Arguments<O> {
         Self::from_arg_matches(&command.get_matches()).unwrap_or_else(|error| error.exit())
     }
 
-    /// Prints one JSON object or a summary, with what the numbers rest on: rows of `docs/thesis/assumed.md`.
+    /// The folder of `--out`, made with those that it lies in.
+    ///
+    /// # Errors
+    /// What the file system refuses, with the folder's name.
+    pub fn folder(&self) -> Result<Option<&Path>, Failure> {
+        self.out.as_deref().map(|folder| output::create_folder(folder).map(|()| folder)).transpose()
+    }
+
+    /// Prints one JSON object or a summary, with what the numbers rest on: rows of `docs/thesis/assumed.md`, none where
+    /// everything is known.
     pub fn answer(&self, results: Value, summary: &str, keys: &[&str]) {
-        if self.json {
-            crate::println!("{}", assumed::with(results, keys));
-        } else {
-            crate::print!("{summary}{}", assumed::text(keys));
+        match (self.json, keys) {
+            (true, []) => crate::println!("{results}"),
+            (true, keys) => crate::println!("{}", assumed::with(results, keys)),
+            (false, []) => crate::print!("{summary}"),
+            (false, keys) => crate::print!("{summary}{}", assumed::text(keys)),
         }
     }
+}
+
+/// How an option of these values is read, each by its name.
+pub fn one_of<T: Clone + Send + Sync + 'static, const N: usize>(
+    values: [(&'static str, T); N],
+) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(values.each_ref().map(|(name, _)| *name)).try_map(move |name| {
+        let found = values.iter().find(|(own, _)| *own == name);
+        found.map(|(_, value)| value.clone()).ok_or_else(|| format!("there is no {name}"))
+    })
 }
 
 /// With the documentation of a source as the description.

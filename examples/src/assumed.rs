@@ -19,6 +19,16 @@ pub const LANDING: &[&str] = &[
     "quadrotor.start",
 ];
 
+/// What every leg of the platform rests on.
+pub const PLATFORM: &[&str] = &[
+    "platform.radii",
+    "platform.half_angles",
+    "platform.home",
+    "platform.plate",
+    "platform.cylinders",
+    "platform.pistons",
+];
+
 /// A row of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Assumed {

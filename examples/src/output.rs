@@ -44,27 +44,53 @@ pub fn write_figures(folder: &Path, drawn: &[(String, Figure)]) -> Result<(), Fa
     drawn.iter().try_for_each(|(name, figure)| write_figure(folder, name, figure, &figures::keys(&number(name))))
 }
 
-/// Writes `name.csv`: a header, then rows of numbers that read back as the same.
+/// The columns of a table: words, of which `leg[1-3]_N` is `leg1_N`, `leg2_N` and `leg3_N`.
+fn columns(words: &str) -> Vec<String> {
+    let numbered = |word: &str| -> Option<Vec<String>> {
+        let (before, rest) = word.split_once('[')?;
+        let (range, behind) = rest.split_once(']')?;
+        let (first, last) = range.split_once('-')?;
+        let numbers = first.parse::<u8>().ok()?..=last.parse().ok()?;
+        Some(numbers.map(|number| format!("{before}{number}{behind}")).collect())
+    };
+    words.split_whitespace().flat_map(|word| numbered(word).unwrap_or_else(|| vec![word.to_string()])).collect()
+}
+
+/// Writes `name.csv` with these [`columns`] as its header, then rows of numbers.
 ///
 /// # Errors
-/// Rows of another length than the header, and what the file system refuses.
+/// Those of [`write_records`].
 pub fn write_table(
     folder: &Path,
     name: &str,
-    header: &[String],
+    words: &str,
     rows: impl IntoIterator<Item = Vec<f64>>,
 ) -> Result<(), Failure> {
+    write_records(folder, name, columns(words), rows)
+}
+
+/// Writes `name.csv`: a header, then rows of numbers, which read back as the same, or of words.
+///
+/// # Errors
+/// Rows of another length than the header, and what the file system refuses.
+pub fn write_records(
+    folder: &Path,
+    name: &str,
+    header: impl IntoIterator<Item = String>,
+    rows: impl IntoIterator<Item = Vec<impl ToString>>,
+) -> Result<(), Failure> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(header)?;
-    for row in rows {
-        writer.write_record(row.iter().map(f64::to_string))?;
-    }
+    writer.write_record(header.into_iter().collect::<Vec<_>>())?;
+    rows.into_iter().try_for_each(|row| writer.write_record(row.iter().map(ToString::to_string)))?;
     let bytes = writer.into_inner().map_err(|error| Failure::new(error.to_string()))?;
     write_file(&folder.join(format!("{name}.csv")), &bytes)
 }
 
 /// Writes a file whole or not at all: beside its place first, then there.
-fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+///
+/// # Errors
+/// What the file system refuses, with the file's name.
+pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     let beside = path.with_extension("part");
     let written = std::fs::write(&beside, bytes).and_then(|()| std::fs::rename(&beside, path));
     written.map_err(|error| {
@@ -97,4 +123,13 @@ macro_rules! print {
 macro_rules! println {
     () => { $crate::output::print(format_args!("\n")) };
     ($($argument:tt)*) => { $crate::output::print(format_args!("{}\n", format_args!($($argument)*))) };
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn columns_are_words_with_numbers() {
+        let expected = ["t_s", "q9_deg", "q10_deg", "l[m]", "z_m"];
+        assert_eq!(super::columns("t_s q[9-10]_deg l[m] z_m"), expected);
+    }
 }

@@ -29,19 +29,17 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let closed = arenstorf()?;
     let asteroids = asteroids()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         write(folder, "arenstorf", "Arenstorf's orbit", &closed, &[])?;
         for asteroid in &asteroids {
             write(folder, asteroid.name, &format!("An asteroid: {}", asteroid.name), &asteroid.flight, &ASSUMED)?;
         }
     }
     if arguments.json {
-        let mut libration = serde_json::Map::new();
-        let mut growth = serde_json::Map::new();
+        let (mut libration, mut growth) = (json!({}), json!({}));
         for (name, mu) in PAIRS {
-            libration.insert(name.into(), json!(points(mu)?));
-            growth.insert(name.into(), json!(growths(mu)?));
+            libration[name] = json!(points(mu)?);
+            growth[name] = json!(growths(mu)?);
         }
         let asteroids: Value = asteroids
             .iter()
@@ -94,6 +92,5 @@ fn write(folder: &Path, name: &str, title: &str, flight: &Flight, keys: &[&str])
     };
     let figure = Figure { title: title.to_string(), size: (1000, 900), panels: vec![Panel::Plane(plane)] };
     output::write_figure(folder, name, &figure, keys)?;
-    let header = ["t", "x", "y", "x_dot", "y_dot", "jacobi"].map(String::from);
-    output::write_table(folder, name, &header, flight.path.iter().map(|row| row.to_vec()))
+    output::write_table(folder, name, "t x y x_dot y_dot jacobi", flight.path.iter().map(|row| row.to_vec()))
 }

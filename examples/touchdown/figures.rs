@@ -36,17 +36,10 @@ pub(crate) fn write(folder: &Path, on_deck: &OnDeck) -> Result<(), Failure> {
         Panel::over_time("force along the normal [N]", range.clone(), feet(&|m, i| m.contact.normal[i])),
         Panel::over_time("way along the deck [mm]", range, feet(&|m, i| 1e3 * m.slid[i])),
     ];
-    let title = format!("After the touchdown: {}", words(name));
-    output::write_figure(
-        folder,
-        &format!("touchdown_{name}"),
-        &Figure { title, size: (900, 900), panels },
-        &crate::assumed_keys(),
-    )?;
-    let header = ["t_s", "z_m"].map(String::from).into_iter();
-    let header: Vec<String> = header.chain((1..=4).map(|leg| format!("leg{leg}_N"))).collect();
+    let (name, title) = (format!("touchdown_{name}"), format!("After the touchdown: {}", words(name)));
+    output::write_figure(folder, &name, &Figure { title, size: (900, 900), panels }, &crate::assumed_keys())?;
     let row = |m: &Moment| [&[m.time, m.vehicle.q[2]][..], &m.contact.normal].concat();
-    output::write_table(folder, &format!("touchdown_{name}"), &header, moments.iter().map(row))
+    output::write_table(folder, &name, "t_s z_m leg[1-4]_N", moments.iter().map(row))
 }
 
 /// `touchdown_NAME_platform`: what the feet do to the deck, and the platform's legs before, at and after the impact.
@@ -63,14 +56,8 @@ pub(crate) fn write_platform(folder: &Path, on_platform: &OnPlatform) -> Result<
         Panel::over_time("platform over its plan [mm]", range, line(&|legs| 1e3 * legs.off)),
     ];
     let title = format!("The platform feels the touchdown: {}", words(name));
-    output::write_figure(
-        folder,
-        &format!("touchdown_{name}_platform"),
-        &Figure { title, size: (900, 900), panels },
-        &crate::assumed_keys(),
-    )?;
-    let header = ["t_s", "contact_N", "off_m"].map(String::from).into_iter();
-    let header: Vec<String> = header.chain((1..=6).map(|leg| format!("leg{leg}_N"))).collect();
+    let name = format!("touchdown_{name}_platform");
+    output::write_figure(folder, &name, &Figure { title, size: (900, 900), panels }, &crate::assumed_keys())?;
     let row = |legs: &Legs| [&[legs.time, legs.contact, legs.off][..], &legs.forces].concat();
-    output::write_table(folder, &format!("touchdown_{name}_platform"), &header, legs.iter().map(row))
+    output::write_table(folder, &name, "t_s contact_N off_m leg[1-6]_N", legs.iter().map(row))
 }

@@ -12,7 +12,7 @@ mod figures;
 mod run;
 mod summary;
 
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed};
 use run::{OnDeck, OnPlatform};
 
 /// All that come down.
@@ -22,15 +22,9 @@ struct Touchdowns {
     carried: Vec<OnPlatform>,
 }
 
-/// What they rest on, beside what every landing does.
-const ASSUMED: [&str; 16] = [
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
+/// What they rest on, beside what every landing and every leg does.
+const ASSUMED: [&str; 10] = [
     "platform.attitude",
-    "platform.plate",
-    "platform.cylinders",
-    "platform.pistons",
     "platform.limits",
     "quadrotor.field",
     "landing.platform_control",
@@ -44,15 +38,14 @@ const ASSUMED: [&str; 16] = [
 
 /// What every touchdown rests on.
 fn assumed_keys() -> Vec<&'static str> {
-    [assumed::LANDING, &ASSUMED].concat()
+    [assumed::LANDING, assumed::PLATFORM, &ASSUMED].concat()
 }
 
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let touchdowns =
         Touchdowns { by_hand: run::by_hand()?, planned: run::on_planned_decks()?, carried: run::on_the_platform()? };
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         for on_deck in touchdowns.by_hand.iter().chain(&touchdowns.planned) {
             figures::write(folder, on_deck)?;
         }

@@ -1,7 +1,7 @@
 //! What became of them, as text and as JSON.
 
 use mbs_landing::quadrotor::standing::{Ending, Settled};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::Touchdowns;
 use crate::run::{OnDeck, OnPlatform};
@@ -57,9 +57,9 @@ fn on_platform(on_platform: &OnPlatform) -> (String, Value) {
 pub(crate) fn to_json(touchdowns: &Touchdowns) -> Value {
     let Touchdowns { by_hand, planned, carried } = touchdowns;
     json!({
-        "by_hand": by_hand.iter().map(on_deck).collect::<Map<_, _>>(),
-        "planned": planned.iter().map(on_deck).collect::<Map<_, _>>(),
-        "carried": carried.iter().map(on_platform).collect::<Map<_, _>>(),
+        "by_hand": by_hand.iter().map(on_deck).collect::<Value>(),
+        "planned": planned.iter().map(on_deck).collect::<Value>(),
+        "carried": carried.iter().map(on_platform).collect::<Value>(),
     })
 }
 

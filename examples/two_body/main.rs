@@ -21,8 +21,7 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::of(include_str!("main.rs"));
     let ellipse = ellipse::run()?;
     let earth_moon = earth_moon::run()?;
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         write(folder, &earth_moon)?;
     }
     if arguments.json {
@@ -94,7 +93,11 @@ fn write(folder: &std::path::Path, flight: &earth_moon::Flight) -> Result<(), Fa
         panels: vec![plane(vec![PlaneLine::new("Moon", seen)], "Earth")],
     };
     output::write_figure(folder, "two_body_relative", &relative, &ASSUMED)?;
-    let header = ["t_s", "earth_x_m", "earth_y_m", "earth_z_m", "moon_x_m", "moon_y_m", "moon_z_m"].map(String::from);
     let row = |row: &earth_moon::Moment| [&[row.t][..], &row.bodies[0], &row.bodies[1]].concat();
-    output::write_table(folder, "two_body", &header, flight.path.iter().map(row))
+    output::write_table(
+        folder,
+        "two_body",
+        "t_s earth_x_m earth_y_m earth_z_m moon_x_m moon_y_m moon_z_m",
+        flight.path.iter().map(row),
+    )
 }

@@ -55,14 +55,12 @@ impl Sketch {
     /// A word at a place, moved by pixels to the right and down: one that is moved to the left ends there, one that
     /// is moved up or down alone is centred. What follows a `_`, a letter or all in braces, is an index.
     pub fn word(&mut self, at: [f64; 2], word: impl Into<String>, shift: [f64; 2]) {
-        self.marks.push(Mark::Word { at, word: word.into(), shift, size: SIZE, color: BLACK });
+        self.styled(at, word, shift, SIZE, BLACK);
     }
 
-    /// The last word is of this size \[px\] and colour.
-    pub fn styled(&mut self, wanted: f64, tint: Color) {
-        if let Some(Mark::Word { size, color, .. }) = self.marks.last_mut() {
-            (*size, *color) = (wanted, tint);
-        }
+    /// A [word](Self::word) of this size \[px\] and colour.
+    pub fn styled(&mut self, at: [f64; 2], word: impl Into<String>, shift: [f64; 2], size: f64, color: Color) {
+        self.marks.push(Mark::Word { at, word: word.into(), shift, size, color });
     }
 
     /// As large as the area allows, in its middle.

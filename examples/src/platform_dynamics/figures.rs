@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::Failure;
-use crate::output::{write_figure, write_figures, write_table};
+use crate::output::{write_figure, write_figures, write_records};
 use mbs_chart::{Figure, Line, Panel, Space, SpaceLine};
 use mbs_platform::{Coordinates, HOME, LegVector, Motion, Platform};
 
@@ -122,11 +122,10 @@ impl Drawing {
 /// A table with all lines.
 fn write_values(folder: &Path, samples: &Samples, Drawing { name, panels, .. }: &Drawing) -> Result<(), Failure> {
     let columns = || panels.iter().flat_map(|(label, lines)| lines.iter().map(move |line| (label, line)));
-    let header: Vec<String> = std::iter::once("t [s]".to_string())
-        .chain(columns().map(|(label, (name, _))| format!("{name}: {label}")))
-        .collect();
-    let row = |i: usize| std::iter::once(samples.0[i]).chain(columns().map(|(_, (_, values))| values[i])).collect();
-    write_table(folder, name, &header, (0..samples.0.len()).map(row))
+    let names = columns().map(|(label, (name, _))| format!("{name}: {label}"));
+    let values = |i: usize| columns().map(move |(_, (_, values))| values[i]);
+    let rows = samples.0.iter().enumerate().map(|(i, &t)| std::iter::once(t).chain(values(i)).collect::<Vec<f64>>());
+    write_records(folder, name, std::iter::once("t [s]".to_string()).chain(names), rows)
 }
 
 /// At home, and in the first pose of both tables.

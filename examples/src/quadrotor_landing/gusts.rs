@@ -9,13 +9,11 @@ use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_landing::quadrotor::wind::{Gusts, Shear, Wind};
 use mbs_models::Error;
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
-use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::flight::{KEPT, heaving};
+use super::members;
 use crate::Failure;
 
 /// At 20 ft over the ground \[m/s\].
@@ -71,8 +69,8 @@ fn landed(
     seed: u64,
     mut see: impl FnMut(Gust),
 ) -> Result<Touchdown, Error> {
-    let mut random = Pcg64Mcg::seed_from_u64(seed);
-    let mut deviates = move || -> [f64; 5] { std::array::from_fn(|_| StandardNormal.sample(&mut random)) };
+    let mut normal = members::deviates(seed);
+    let mut deviates = move || -> [f64; 5] { std::array::from_fn(|_| normal()) };
     let mut gusts = Gusts::stationary(&deviates());
     landing.simulate_in_wind(
         Landing::initial_state(),
@@ -118,11 +116,8 @@ impl InGusts {
     }
 
     /// Mean and standard deviation of a result.
-    fn spread(&self, of: impl Fn(&Touchdown) -> f64) -> [f64; 2] {
-        let count = self.touchdowns.len() as f64;
-        let mean = self.touchdowns.iter().map(&of).sum::<f64>() / count;
-        let squares: f64 = self.touchdowns.iter().map(|end| (of(end) - mean).powi(2)).sum();
-        [mean, (squares / (count - 1.0)).sqrt()]
+    fn spread(&self, of: fn(&Touchdown) -> f64) -> [f64; 2] {
+        members::spread(self.touchdowns.iter().map(of))
     }
 
     fn greatest(&self, of: impl Fn(&Touchdown) -> f64) -> f64 {

@@ -114,10 +114,10 @@ pub fn write(folder: &Path, flights: &[Flight]) -> Result<(), Failure> {
         let title = format!("{title}, {ORBITS} orbits");
         output::write_figure(folder, file, &Figure { title, size: (1000, 520), panels }, &ASSUMED)?;
     }
-    let header = ["t_s", "x_m", "y_m", "z_m", "vx_m_s", "vy_m_s", "vz_m_s"].map(String::from);
     for flight in flights {
         let rows = flight.path.iter().map(|(t, state)| [&[*t][..], &state.q, &state.qd].concat());
-        output::write_table(folder, &format!("{}_{}", flight.case.group, flight.case.name), &header, rows)?;
+        let name = format!("{}_{}", flight.case.group, flight.case.name);
+        output::write_table(folder, &name, "t_s x_m y_m z_m vx_m_s vy_m_s vz_m_s", rows)?;
     }
     Ok(())
 }

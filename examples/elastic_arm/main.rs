@@ -7,36 +7,29 @@
 //!
 //! `--out DIR` writes the figure (SVG and PNG) and the curves (CSV).
 
-use mbs_examples::{print, println};
-use std::ops::ControlFlow;
+mod ringing;
+
 use std::path::Path;
 
 use mbs_arm::elastic::ElasticArm;
-use mbs_arm::trajectory::{Motion, quartic, quintic};
+use mbs_arm::trajectory::{quartic, quintic};
 use mbs_arm::{Arm, JointVector};
 use mbs_chart::{Figure, Line, Panel};
 use mbs_examples::arm_trajectory::cases;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
-use mbs_runtime::{Dop853, Integrator, State};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::json;
+
+use ringing::{BEFORE, BEHIND, Ringing, ringing};
 
 /// What frequencies and deflections rest on.
 const ASSUMED: [&str; 6] = ["gravity", "arm.masses", "arm.mass_centres", "arm.inertias", "elastic.", "arm.quartic"];
-/// Recorded from this long before the stop to this long behind it \[s\].
-const BEFORE: f64 = 0.5;
-const BEHIND: f64 = 2.0;
-/// Between records \[s\].
-const SAMPLE: f64 = 0.002;
 /// The greatest payload of the robot, as its name has it \[kg\].
 const PAYLOAD: f64 = 500.0;
 /// Natural frequency of the motors' control \[rad/s\].
 const CONTROL: f64 = 20.0;
 
-/// The flange against where the motion wants it: time after the stop \[s\], distance up \[m\].
-type Ringing = Vec<(f64, f64)>;
-
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("elastic_arm.rs"));
+    let arguments = Arguments::of(include_str!("main.rs"));
     let (arm, elastic) = (Arm::default(), ElasticArm::default());
     let [start, stop] = cases::ends();
     let rest = [0.0; 6];
@@ -46,22 +39,17 @@ fn main() -> Result<(), Failure> {
     let weight = -arm.model.params().g * PAYLOAD;
     let sinks = elastic.compliance(&stop).map(|row| row[2] * weight);
     let curves = [("quartic", by_quartic), ("quintic", by_quintic)];
-    if let Some(folder) = &arguments.out {
-        output::create_folder(folder)?;
+    if let Some(folder) = arguments.folder()? {
         write(folder, &curves)?;
     }
     let [quartic, quintic] = curves.each_ref().map(|(_, ringing)| swing(ringing));
-    if arguments.json {
-        let all = json!({
-            "natural_frequencies_hz": frequencies,
-            "payload": PAYLOAD,
-            "deflection": sinks,
-            "swing_after_stop": { "quartic": quartic, "quintic": quintic },
-        });
-        println!("{}", assumed::with(all, &ASSUMED));
-    } else {
-        print!("{}{}", text(&frequencies, &sinks, [quartic, quintic]), assumed::text(&ASSUMED));
-    }
+    let results = json!({
+        "natural_frequencies_hz": frequencies,
+        "payload": PAYLOAD,
+        "deflection": sinks,
+        "swing_after_stop": { "quartic": quartic, "quintic": quintic },
+    });
+    arguments.answer(results, &text(&frequencies, &sinks, [quartic, quintic]), &ASSUMED);
     Ok(())
 }
 
@@ -84,48 +72,6 @@ fn swing(ringing: &Ringing) -> f64 {
     after().fold(f64::NEG_INFINITY, f64::max) - after().fold(f64::INFINITY, f64::min)
 }
 
-/// Motors under control of their own angles: feed-forward of weight, inertia and springs, and feedback that is
-/// critically damped.
-fn ringing(arm: &Arm, elastic: &ElasticArm, motion: &impl Motion<6>) -> Result<Ringing, Failure> {
-    let (inertia, stiffness) = (elastic.rotor_inertia(), elastic.model.params().stiffness);
-    // Joint torques wanted, and the motors' angles that give them.
-    let wanted = |t: f64| {
-        let state = motion.held_at(t)?;
-        let torque = arm.model.inverse_dynamics(&state.q, &state.qd, &state.qdd);
-        let theta: JointVector = std::array::from_fn(|i| state.q[i] + torque[i] / stiffness[i]);
-        Ok::<_, mbs_models::Error>((state, torque, theta))
-    };
-    let (state, _, theta) = wanted(0.0)?;
-    let start = std::array::from_fn(|i| if i < 6 { state.q[i] } else { theta[i - 6] });
-    let mut state = State::new(start, [0.0; 12]);
-    let duration = motion.duration();
-    let mut found = Vec::new();
-    let moving = |t: f64, q: &[f64; 12], qd: &[f64; 12], qdd: &mut [f64; 12]| {
-        let (state, torque, theta) = wanted(t)?;
-        let tau = std::array::from_fn(|i| {
-            let back = CONTROL * CONTROL * (theta[i] - q[6 + i]) + 2.0 * CONTROL * (state.qd[i] - qd[6 + i]);
-            torque[i] + inertia[i] * (state.qdd[i] + back)
-        });
-        *qdd = elastic.model.forward_dynamics(q, qd, &tau);
-        Ok::<(), mbs_models::Error>(())
-    };
-    let settings = Dop853::new(1e-12, 1e-13);
-    // In pieces, so that no step leads over the stop.
-    let first = duration - BEFORE;
-    settings.integrate(moving, 0.0, first, &mut state, |_| ControlFlow::Continue(()))?;
-    let count = ((BEFORE + BEHIND) / SAMPLE).round() as usize;
-    let time = |k: usize| first + (BEFORE + BEHIND) * k as f64 / count as f64;
-    for k in 0..=count {
-        let (t, q) = (time(k), std::array::from_fn(|i| state.q[i]));
-        let height = arm.pose(&q).position[2] - arm.pose(&motion.held_at(t)?.q).position[2];
-        found.push((t - duration, height));
-        if k < count {
-            settings.integrate(moving, t, time(k + 1), &mut state, |_| ControlFlow::Continue(()))?;
-        }
-    }
-    Ok(found)
-}
-
 fn write(folder: &Path, curves: &[(&str, Ringing); 2]) -> Result<(), Failure> {
     let line = |(name, ringing): &(&str, Ringing)| {
         Line::new(*name, ringing.iter().map(|(t, height)| (*t, 1e6 * height)).collect())
@@ -134,7 +80,6 @@ fn write(folder: &Path, curves: &[(&str, Ringing); 2]) -> Result<(), Failure> {
     let panel = Panel::curves(labels, -BEFORE..BEHIND, curves.iter().map(line).collect());
     let title = "The flange of an arm with elastic joints, case 1".to_string();
     output::write_figure(folder, "elastic_arm", &Figure { title, size: (900, 560), panels: vec![panel] }, &ASSUMED)?;
-    let header = ["t_s", "quartic_m", "quintic_m"].map(String::from);
     let rows = curves[0].1.iter().zip(&curves[1].1).map(|((t, first), (_, second))| vec![*t, *first, *second]);
-    output::write_table(folder, "elastic_arm", &header, rows)
+    output::write_table(folder, "elastic_arm", "t_s quartic_m quintic_m", rows)
 }

@@ -1,0 +1,107 @@
+//! Where does a chaser arrive that knows its place to metres and burns to a hundredth?
+//!
+//! From a point of the V-bar 3 km behind a station one burn leads to a point 250 m behind it. Navigation and engine err
+//! as the plan `examples/ensembles/docking.toml` says. Once by linear covariance, `P = Φ (P₀ + B Q Bᵀ) Φᵀ` with the
+//! state transition matrix of Clohessy and Wiltshire: a product of matrices. Once by thousands of flights on Kepler's
+//! conics.
+//! Look at the ratios: they say how far the product can be trusted; and at the share of flights within its ellipsoid.
+//!
+//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws.
+
+mod flight;
+
+use std::path::PathBuf;
+
+use mbs_ensemble::Member;
+use mbs_ensemble::statistics::Moments;
+use mbs_examples::dispersion::Dispersion;
+use mbs_examples::{Failure, arguments::Arguments};
+use nalgebra::{Matrix3, Matrix6, Vector3};
+use serde_json::{Value, json};
+
+use flight::{Flight, VARIABLES};
+
+#[derive(Clone, Debug, clap::Args)]
+struct Options {
+    /// How many flights, instead of as many as the plan says.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..))]
+    members: Option<u64>,
+    /// Where the table goes.
+    #[arg(long, value_name = "FILE.csv")]
+    table: Option<PathBuf>,
+}
+
+/// By how much a flight misses: away from the centre, along the orbit, across it.
+const QUANTITIES: [(&str, &str); 6] =
+    [("miss_x", "m"), ("miss_y", "m"), ("miss_z", "m"), ("miss_v_x", "m/s"), ("miss_v_y", "m/s"), ("miss_v_z", "m/s")];
+
+/// What it rests on.
+const ASSUMED: [&str; 2] = ["orbit.altitude", "dispersions.docking"];
+
+fn main() -> Result<(), Failure> {
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
+    let options = &arguments.options;
+    let plan = ("docking.toml", include_str!("../ensembles/docking.toml"));
+    let members = options.members;
+    let dispersion = Dispersion::planned("docking_dispersions", plan, members, VARIABLES, &QUANTITIES)?;
+    let (flight, design) = (Flight::planned()?, &dispersion.design);
+    let miss = |member: &Member| flight.miss(design, member).map_err(|error| error.to_string());
+    let misses = dispersion.all_columns(options.table.as_deref(), &miss)?;
+    let dispersions = Dispersions::of(&flight.covariance(&dispersion.plan, design)?, &misses)?;
+    arguments.answer(dispersions.object(), &dispersions.text(), &ASSUMED);
+    Ok(())
+}
+
+/// The quantile of χ² with three degrees of freedom at 0.95: M. Abramowitz and I. A. Stegun, *Handbook of Mathematical
+/// Functions*, 1964, table 26.8.
+const WITHIN: f64 = 7.814_73;
+
+/// What both ways say.
+struct Dispersions {
+    members: usize,
+    /// The deviation of each quantity by covariance.
+    linear: [f64; 6],
+    /// Mean and deviation of the flights.
+    flown: [Moments; 6],
+    /// The share of the flights within the ellipsoid of places that holds 95 % of a normal distribution.
+    within: f64,
+}
+
+impl Dispersions {
+    fn of(covariance: &Matrix6<f64>, misses: &[Vec<f64>]) -> Result<Self, Failure> {
+        let inverse: Matrix3<f64> = covariance.fixed_view::<3, 3>(0, 0).into_owned();
+        let inverse =
+            inverse.try_inverse().ok_or_else(|| Failure::new("the places do not scatter in all directions"))?;
+        let members = misses[0].len();
+        let is_within = |member: &usize| {
+            let place = Vector3::from_fn(|axis, _| misses[axis][*member]);
+            (place.transpose() * inverse * place)[0] <= WITHIN
+        };
+        Ok(Dispersions {
+            members,
+            linear: std::array::from_fn(|i| covariance[(i, i)].sqrt()),
+            flown: std::array::from_fn(|i| misses[i].iter().copied().collect()),
+            within: (0..members).filter(is_within).count() as f64 / members as f64,
+        })
+    }
+
+    fn object(&self) -> Value {
+        let mut object = json!({ "members": self.members, "within_95": self.within });
+        for (i, (name, _)) in QUANTITIES.iter().enumerate() {
+            let (linear, flown) = (self.linear[i], self.flown[i]);
+            object[name] = json!({ "sd_linear": linear, "sd": flown.deviation(), "mean": flown.mean });
+        }
+        object
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{} flights\n            deviation: linear   flown       ratio   mean\n", self.members);
+        for (i, (name, unit)) in QUANTITIES.iter().enumerate() {
+            let (linear, flown) = (self.linear[i], self.flown[i]);
+            let (deviation, ratio) = (flown.deviation(), flown.deviation() / linear);
+            text +=
+                &format!("{name:<9} {unit:<4}  {linear:>14.5}  {deviation:>10.5}  {ratio:>8.4}  {:>8.4}\n", flown.mean);
+        }
+        text + &format!("{:.2} % of the flights arrive within the ellipsoid of 95 %\n", 100.0 * self.within)
+    }
+}

@@ -1,0 +1,34 @@
+//! How many landings ended where, for each result.
+
+use mbs_chart::{Figure, Line, Panel};
+
+use crate::RESULTS;
+
+pub(crate) fn figure(touchdowns: &[[f64; 3]]) -> Figure {
+    let panel = |(i, (_, name, unit)): (usize, &(&str, &str, &str))| {
+        let values: Vec<f64> = touchdowns.iter().map(|results| results[i]).collect();
+        let (edges, counts) = histogram(&values);
+        let outline = edges.windows(2).zip(&counts).flat_map(|(edges, &count)| {
+            let count = count as f64;
+            [(edges[0], count), (edges[1], count)]
+        });
+        let [first, last] = [edges[0], edges[edges.len() - 1]];
+        let outline = [(first, 0.0)].into_iter().chain(outline).chain([(last, 0.0)]).collect();
+        Panel::curves([&format!("{name} [{unit}]"), "landings"], first..last, vec![Line::new("", outline)])
+    };
+    let title = format!("{} landings", touchdowns.len());
+    Figure { title, size: (1000, 1000), panels: RESULTS.iter().enumerate().map(panel).collect() }
+}
+
+/// The edges of bins of equal width, and how many values are in each: as many bins as the root of the values, but 60 at
+/// most.
+fn histogram(values: &[f64]) -> (Vec<f64>, Vec<usize>) {
+    let bins = ((values.len() as f64).sqrt() as usize).clamp(1, 60);
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
+    // Where all are equal there is one bin that holds them.
+    let width = if high > low { (high - low) / bins as f64 } else { 1.0 };
+    let mut counts = vec![0; bins];
+    values.iter().for_each(|x| counts[(((x - low) / width) as usize).min(bins - 1)] += 1);
+    ((0..=bins).map(|k| low + width * k as f64).collect(), counts)
+}

@@ -1,0 +1,79 @@
+//! What a plan may vary of a landing, and the landing with these values.
+
+use mbs_ensemble::design::Variable;
+use mbs_ensemble::{Design, Member};
+use mbs_examples::Failure;
+use mbs_examples::quadrotor_landing::members::around;
+use mbs_landing::quadrotor::heave::Heave;
+use mbs_landing::quadrotor::landing::{Landing, Plant};
+use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rand_pcg::rand_core::SeedableRng;
+
+/// The period of the controller and of RK4 \[s\].
+const PERIOD: f64 = 1.0 / 500.0;
+
+/// The deviations of what the sensors say, white \[m\], \[rad\], \[m/s\], \[rad/s\].
+const SEEN: [f64; 4] = [0.005, 0.001, 0.01, 0.002];
+
+/// What the plan may vary, with units.
+pub(crate) const VARIABLES: [(&str, &str); 12] = [
+    ("mass", "kg"),
+    ("inertia", "1"),
+    ("drag", "1"),
+    ("wind_x", "m/s"),
+    ("wind_y", "m/s"),
+    ("wind_z", "m/s"),
+    ("x", "m"),
+    ("y", "m"),
+    ("z", "m"),
+    // What the sensors' noise, the deck's amplitudes and its frequencies are multiplied by.
+    ("sensors", "1"),
+    ("sea", "1"),
+    ("swell", "1"),
+];
+
+/// What is measured at a touchdown.
+pub(crate) const QUANTITIES: [(&str, &str); 3] =
+    [("touchdown_time", "s"), ("relative_velocity", "m/s"), ("horizontal_offset", "m")];
+
+/// Where the values of a member go.
+pub(crate) struct Landings {
+    places: Vec<usize>,
+}
+
+impl Landings {
+    pub(crate) fn of(design: &Design) -> Result<Self, Failure> {
+        let place = |variable: &Variable| VARIABLES.iter().position(|(n, _)| *n == variable.name);
+        let places = design.variables().iter().map(place).collect::<Option<_>>();
+        Ok(Landings { places: places.ok_or_else(|| Failure::new("the plan varies something unknown"))? })
+    }
+
+    /// A landing with its touchdown's quantities; the controller knows the vehicle as it was designed.
+    pub(crate) fn land(&self, member: &Member) -> Result<Vec<f64>, String> {
+        let calm = Landing::new(Plant::Exact, Heave::CASE_I);
+        let designed = *calm.vehicle.params();
+        let mut values = [designed.m, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        self.places.iter().zip(&member.values).for_each(|(place, value)| values[*place] = *value);
+        let [m, inertia, drag, wind_x, wind_y, wind_z, x, y, z, sensors, sea, swell] = values;
+        let heave = Heave {
+            amplitude: Heave::CASE_I.amplitude.map(|amplitude| sea * amplitude),
+            frequency: Heave::CASE_I.frequency.map(|frequency| swell * frequency),
+        };
+        let mut landing = Landing::new(Plant::Exact, heave);
+        landing.vehicle = QuadrotorEuler::new(Params {
+            m,
+            inertias: designed.inertias.map(|of| inertia * of),
+            drag_coefficient: drag * designed.drag_coefficient,
+            ..designed
+        });
+        landing.wind = [wind_x, wind_y, wind_z];
+        let mut start = Landing::initial_state();
+        [x, y, z].iter().enumerate().for_each(|(i, off)| start.q[i] += off);
+        let (mut random, seen) = (Pcg64Mcg::from_rng(&mut member.random()), SEEN.map(|deviation| sensors * deviation));
+        let see = |_, state: &_| around(state, seen, || StandardNormal.sample(&mut random));
+        let end = landing.simulate_sampled(start, PERIOD, see).map_err(|error| error.to_string())?;
+        Ok(vec![end.time, end.relative_velocity, end.horizontal_offset])
+    }
+}

@@ -1,0 +1,65 @@
+//! Many landings: random numbers of their own, all at once, and what they come to together.
+
+use indicatif::{ProgressBar, ProgressStyle};
+use mbs_runtime::State;
+use rand::SeedableRng;
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use crate::Failure;
+
+/// Normal deviates of a seed.
+pub fn deviates(seed: u64) -> impl FnMut() -> f64 {
+    let mut random = Pcg64Mcg::seed_from_u64(seed);
+    move || StandardNormal.sample(&mut random)
+}
+
+/// A state with deviates of place, angles, velocity and rates; their standard deviations \[m\], \[rad\], \[m/s\],
+/// \[rad/s\].
+pub fn around(state: &State<[f64; 6]>, deviations: [f64; 4], mut normal: impl FnMut() -> f64) -> State<[f64; 6]> {
+    let mut around = *state;
+    for i in 0..3 {
+        around.q[i] += deviations[0] * normal();
+        around.q[3 + i] += deviations[1] * normal();
+        around.qd[i] += deviations[2] * normal();
+        around.qd[3 + i] += deviations[3] * normal();
+    }
+    around
+}
+
+/// Landings with the seeds 0, 1, …, the same for any number of threads; a terminal shows how far they are.
+///
+/// # Errors
+/// None.
+pub fn flown<T: Send>(count: u32, landing: impl Fn(u64) -> T + Sync) -> Result<Vec<T>, Failure> {
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go")?;
+    let progress = ProgressBar::new(u64::from(count)).with_style(style);
+    let flown = |seed| {
+        let landing = landing(seed);
+        progress.inc(1);
+        landing
+    };
+    let landings = (0..u64::from(count)).into_par_iter().map(flown).collect();
+    progress.finish_and_clear();
+    Ok(landings)
+}
+
+/// Runs what follows on this number of threads, or on as many as there are cores.
+///
+/// # Errors
+/// Threads that the system refuses.
+pub fn use_threads(threads: Option<u32>) -> Result<(), Failure> {
+    match threads {
+        Some(threads) => Ok(rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build_global()?),
+        None => Ok(()),
+    }
+}
+
+/// Mean and standard deviation.
+pub fn spread(values: impl Iterator<Item = f64> + Clone) -> [f64; 2] {
+    let count = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / count;
+    let squares: f64 = values.map(|value| (value - mean).powi(2)).sum();
+    [mean, (squares / (count - 1.0)).sqrt()]
+}
