@@ -6,8 +6,10 @@
 //! conics.
 //! Look at the ratios: they say how far the product can be trusted; and at the share of flights within its ellipsoid.
 //!
-//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws.
+//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws; `--out DIR` writes a figure of
+//! the places with the ellipsoid of 95 %.
 
+mod figure;
 mod flight;
 
 use std::path::PathBuf;
@@ -15,7 +17,7 @@ use std::path::PathBuf;
 use mbs_ensemble::Member;
 use mbs_ensemble::statistics::Moments;
 use mbs_examples::dispersion::Dispersion;
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use nalgebra::{Matrix3, Matrix6, Vector3};
 use serde_json::{Value, json};
 
@@ -46,8 +48,12 @@ fn main() -> Result<(), Failure> {
     let dispersion = Dispersion::planned("docking_dispersions", plan, members, VARIABLES, &QUANTITIES)?;
     let (flight, design) = (Flight::planned()?, &dispersion.design);
     let miss = |member: &Member| flight.miss(design, member).map_err(|error| error.to_string());
-    let misses = dispersion.all_columns(options.table.as_deref(), &miss)?;
-    let dispersions = Dispersions::of(&flight.covariance(&dispersion.plan, design)?, &misses)?;
+    let (folder, misses) = (arguments.folder()?, dispersion.all_columns(options.table.as_deref(), &miss)?);
+    let covariance = flight.covariance(&dispersion.plan, design)?;
+    if let Some(folder) = folder {
+        output::write_figure(folder, "docking_dispersions", &figure::places(&covariance, &misses), &ASSUMED)?;
+    }
+    let dispersions = Dispersions::of(&covariance, &misses)?;
     arguments.answer(dispersions.object(), &dispersions.text(), &ASSUMED);
     Ok(())
 }

@@ -8,13 +8,12 @@
 //! same for any number of threads. `--members N` says how many there are, `--threads N` by how many threads. `--out
 //! DIR` writes all results as CSV, and their histograms (SVG and PNG).
 
-mod histograms;
 mod member;
 
 use std::time::Instant;
 
 use mbs_examples::quadrotor_landing::members;
-use mbs_examples::{Failure, arguments::Arguments, assumed, output};
+use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output};
 use serde_json::json;
 
 #[derive(Clone, Debug, clap::Args)]
@@ -57,7 +56,9 @@ fn main() -> Result<(), Failure> {
         });
         let words = "member touchdown_time_s relative_velocity_m_s horizontal_offset_m";
         output::write_table(folder, "landings", words, rows)?;
-        output::write_figure(folder, "landings", &histograms::figure(&touchdowns), &keys)?;
+        let quantities = RESULTS.map(|(_, name, unit)| (name, unit));
+        let columns = [0, 1, 2].map(|i| touchdowns.iter().map(|results| results[i]).collect());
+        output::write_figure(folder, "landings", &histograms::figure("landings", &quantities, &columns), &keys)?;
     }
     let (failed, threads) = (count as usize - landed, rayon::current_num_threads());
     let mut object = json!({ "members": count, "failed": failed });

@@ -3,7 +3,7 @@
 //! The plan is `examples/ensembles/landing.toml`, or the one of `--plan FILE`, such as `landing_seas.toml` beside it;
 //! each member is a closure of its values with generated code, the landing's controller at 500 Hz, and a noisy sensor,
 //! whose random numbers are the member's own. The table goes to `--table FILE`, which a killed run continues.
-//! `--compare` measures what the ensemble costs beside the bare loop over its closures, on one thread.
+//! `--out DIR` writes histograms. `--compare` measures what the ensemble costs beside the bare loop over its closures, on one thread.
 
 mod landings;
 
@@ -13,7 +13,7 @@ use std::time::Instant;
 use mbs_ensemble::statistics::{Moments, quantile, quantile_interval};
 use mbs_ensemble::{Member, Share, Sweep};
 use mbs_examples::dispersion::Dispersion;
-use mbs_examples::{Failure, arguments::Arguments, assumed, println};
+use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output, println};
 use serde_json::{Value, json};
 
 use landings::{Landings, QUANTITIES, VARIABLES};
@@ -55,9 +55,16 @@ fn main() -> Result<(), Failure> {
         return compare(&landings, &dispersion.sweep(folder.path().join("landings.csv")));
     }
     let land = |member: &Member| landings.land(member);
-    let (outcome, columns) = dispersion.columns(options.table.as_deref(), options.threads.map(usize::from), &land)?;
+    let folder = arguments.folder()?;
+    let (outcome, mut columns) =
+        dispersion.columns(options.table.as_deref(), options.threads.map(usize::from), &land)?;
+    columns.iter_mut().for_each(|column| column.retain(|value| value.is_finite()));
+    let keys = [assumed::LANDING, &ASSUMED].concat();
+    if let Some(folder) = folder {
+        output::write_figure(folder, "landings", &histograms::figure("landings", &QUANTITIES, &columns), &keys)?;
+    }
     let (object, text) = report(&outcome, columns);
-    arguments.answer(object, &text, &[assumed::LANDING, &ASSUMED].concat());
+    arguments.answer(object, &text, &keys);
     Ok(())
 }
 
@@ -66,7 +73,6 @@ fn report(outcome: &mbs_ensemble::sweep::Outcome, columns: Vec<Vec<f64>>) -> (Va
     let mut object = json!({ "members": outcome.members, "stopped": outcome.stopped });
     let mut text = format!("{} landings, {} without a touchdown\n", outcome.members, outcome.stopped);
     for ((name, unit), mut column) in QUANTITIES.into_iter().zip(columns) {
-        column.retain(|value| value.is_finite());
         let moments: Moments = column.iter().copied().collect();
         column.sort_by(f64::total_cmp);
         let [low, high] = moments.mean_interval(0.95);

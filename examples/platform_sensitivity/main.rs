@@ -7,8 +7,10 @@
 //! square of the forces thirty motions tell what thousands do; for the greatest force they do not, since another one
 //! becomes the greatest.
 //!
-//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws.
+//! The table goes to `--table FILE`, which a killed run continues, and `mbs plot` draws; `--out DIR` writes a figure of
+//! the shares of all numbers.
 
+mod figure;
 mod study;
 
 use std::path::PathBuf;
@@ -17,7 +19,7 @@ use mbs_ensemble::statistics::Moments;
 use mbs_ensemble::statistics::sensitivity::{Estimate, Indices, indices};
 use mbs_ensemble::{Design, Distribution, Member};
 use mbs_examples::dispersion::Dispersion;
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_platform::sensitivity::Parameter;
 use serde_json::{Value, json};
 
@@ -48,10 +50,13 @@ fn main() -> Result<(), Failure> {
     let dispersion = Dispersion::planned("platform_sensitivity", plan, options.rows, known, &quantities)?;
     let (design, study) = (&dispersion.design, Study::of(&dispersion.design)?);
     let forces = |member: &Member| study.forces(&member.values);
-    let columns = dispersion.all_columns(options.table.as_deref(), &forces)?;
+    let (folder, columns) = (arguments.folder()?, dispersion.all_columns(options.table.as_deref(), &forces)?);
     let of_both = columns.iter().zip(study.gradients()?);
     let results = of_both.map(|(column, gradient)| Quantity::of(design, column, &gradient));
     let results = results.collect::<Result<Vec<_>, _>>()?;
+    if let Some(folder) = folder {
+        output::write_figure(folder, "platform_sensitivity", &figure::shares(&results), &ASSUMED)?;
+    }
     let named = || QUANTITIES.iter().zip(&results);
     let object: Value = named().map(|(name, quantity)| (name.to_string(), quantity.object(&study))).collect();
     let text: String = named().map(|(name, quantity)| quantity.text(name, &study)).collect();
@@ -83,6 +88,13 @@ impl Quantity {
         Ok(Quantity { deviations: [variance.sqrt(), drawn.deviation()], shares, indices })
     }
 
+    /// The parameters by their total indices, the greatest first.
+    fn order(&self) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.shares.len()).collect();
+        order.sort_by(|a, b| self.indices[*b].total.value.total_cmp(&self.indices[*a].total.value));
+        order
+    }
+
     fn object(&self, study: &Study) -> Value {
         let entry = |place: usize| {
             let Indices { first, total } = self.indices[place];
@@ -100,14 +112,12 @@ impl Quantity {
     /// The parameters that decide, in order.
     fn text(&self, name: &str, study: &Study) -> String {
         const SHOWN: usize = 8;
-        let mut order: Vec<usize> = (0..self.shares.len()).collect();
-        order.sort_by(|a, b| self.indices[*b].total.value.total_cmp(&self.indices[*a].total.value));
         let [by_gradient, by_members] = self.deviations;
         let mut text = format!(
             "{name} of the forces: deviation {by_gradient:.2} N by gradients, {by_members:.2} N by members\n  \
              parameter             gradient   first order                 total\n"
         );
-        for place in order.into_iter().take(SHOWN) {
+        for place in self.order().into_iter().take(SHOWN) {
             let Indices { first, total } = self.indices[place];
             let bounded = |e: Estimate| format!("{:.3} ({:.3} to {:.3})", e.value, e.interval[0], e.interval[1]);
             let (share, first, total) = (self.shares[place], bounded(first), bounded(total));

@@ -8,6 +8,7 @@ pub mod assumed;
 pub mod chains;
 pub mod dispersion;
 pub mod figures;
+pub mod histograms;
 pub mod output;
 pub mod platform_dynamics;
 pub mod quadrotor_landing;

@@ -4,6 +4,7 @@ use crate::support::{good, json, number, numbers, run};
 
 const DOCKING: &str = env!("CARGO_BIN_EXE_docking_dispersions");
 const PLATFORM: &str = env!("CARGO_BIN_EXE_platform_sensitivity");
+const SWEEP: &str = env!("CARGO_BIN_EXE_landing_sweep");
 
 /// Over 3 km curvature is thousandths: deviations agree within four of their own errors, `4/√(2 N)`.
 #[test]
@@ -39,6 +40,25 @@ fn gradients_predict_indices() {
         let of = &of["parameters"][name];
         let (share, bounds) = (number(&of["by_gradient"]), numbers(&of["total_ci95"]));
         assert!(share > least && bounds[0] < share && share < bounds[1], "{name}: {of}");
+    }
+}
+
+#[test]
+fn figures_are_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    good(DOCKING, &["--members", "50", "--out", out]);
+    good(PLATFORM, &["--rows", "4", "--out", out]);
+    good(SWEEP, &["--members", "12", "--out", out]);
+    let texts = [
+        ("docking_dispersions", "Where 50 of 50 flights miss"),
+        ("platform_sensitivity", "Which numbers decide"),
+        ("landings", "12 landings"),
+    ];
+    for (name, text) in texts {
+        let svg = std::fs::read_to_string(folder.path().join(format!("{name}.svg"))).unwrap();
+        let png = std::fs::read(folder.path().join(format!("{name}.png"))).unwrap();
+        assert!(svg.contains(text) && !svg.contains("NaN") && png.starts_with(b"\x89PNG"), "{name}");
     }
 }
 

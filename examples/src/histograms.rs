@@ -1,23 +1,22 @@
-//! How many landings ended where, for each result.
+//! How many members ended where, for each quantity.
 
 use mbs_chart::{Figure, Line, Panel};
 
-use crate::RESULTS;
-
-pub(crate) fn figure(touchdowns: &[[f64; 3]]) -> Figure {
-    let panel = |(i, (_, name, unit)): (usize, &(&str, &str, &str))| {
-        let values: Vec<f64> = touchdowns.iter().map(|results| results[i]).collect();
-        let (edges, counts) = histogram(&values);
+/// A histogram of each quantity, one below the other: how many `members`, such as landings, and names with units.
+#[must_use]
+pub fn figure(members: &str, quantities: &[(&str, &str)], columns: &[Vec<f64>]) -> Figure {
+    let panel = |((name, unit), values): (&(&str, &str), &Vec<f64>)| {
+        let (edges, counts) = histogram(values);
         let outline = edges.windows(2).zip(&counts).flat_map(|(edges, &count)| {
             let count = count as f64;
             [(edges[0], count), (edges[1], count)]
         });
         let [first, last] = [edges[0], edges[edges.len() - 1]];
         let outline = [(first, 0.0)].into_iter().chain(outline).chain([(last, 0.0)]).collect();
-        Panel::curves([&format!("{name} [{unit}]"), "landings"], first..last, vec![Line::new("", outline)])
+        Panel::curves([&format!("{name} [{unit}]"), members], first..last, vec![Line::new("", outline)])
     };
-    let title = format!("{} landings", touchdowns.len());
-    Figure { title, size: (1000, 1000), panels: RESULTS.iter().enumerate().map(panel).collect() }
+    let title = format!("{} {members}", columns.first().map_or(0, Vec::len));
+    Figure { title, size: (1000, 1000), panels: quantities.iter().zip(columns).map(panel).collect() }
 }
 
 /// The edges of bins of equal width, and how many values are in each: as many bins as the root of the values, but 60 at
