@@ -64,10 +64,12 @@ pub(crate) fn arenstorf() -> Problem<impl Force> {
     const EARTH: f64 = 1.0 - MOON;
     let force = |q: &[f64; 2], qd: &[f64; 2]| {
         let [to_earth, to_moon] = [q[0] + MOON, q[0] - EARTH];
-        let [d1, d2] = [to_earth, to_moon].map(|x| {
+        // Called twice, and not mapped over an array: without LTO that would be a call of the library for each.
+        let cubed_distance = |x: f64| {
             let squared = x * x + q[1] * q[1];
             squared * squared.sqrt()
-        });
+        };
+        let (d1, d2) = (cubed_distance(to_earth), cubed_distance(to_moon));
         [
             q[0] + 2.0 * qd[1] - EARTH * to_earth / d1 - MOON * to_moon / d2,
             q[1] - 2.0 * qd[0] - EARTH * q[1] / d1 - MOON * q[1] / d2,
