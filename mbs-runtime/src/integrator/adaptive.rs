@@ -254,9 +254,9 @@ pub(super) struct Stages<V: Coordinates, const S: usize> {
     pub(super) v: [V; S],
     /// `q̈` of the stages: the slopes of `q̇`.
     pub(super) a: [V; S],
-    /// The coordinates of the stage at hand.
+    /// The coordinates of the stage at hand; after the last one, what errors are multiplied by.
     q: V,
-    /// The errors of the step by one row of weights or two, in units of the state per second.
+    /// The errors of the step in units of the tolerance, of `q` or of `q̇`, by each row of weights.
     errors: [V; 2],
     rtol: V::Scalar,
     atol: V::Scalar,
@@ -337,19 +337,21 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
     ) -> [V::Scalar; K] {
         let mut sums = [V::Scalar::zero(); K];
         for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
-            // All numbers of a row before the next row: so the compiler makes vectors of the numbers.
-            for k in 0..K {
-                weigh(&mut self.errors[k], rows[k], slopes);
-            }
-            let (y0, y1) = (y0.as_slice(), y1.as_slice());
-            for i in 0..y0.len() {
+            // Line by line over all numbers, so that the compiler makes vectors of them.
+            let (y0, y1, per_scale) = (y0.as_slice(), y1.as_slice(), self.q.as_mut_slice());
+            for i in 0..per_scale.len() {
                 // `maximum` would look for NaN, which ends the step anyway.
                 let (size0, size1) = (y0[i].abs(), y1[i].abs());
                 let size = V::Scalar::blend(size0.less(size1), size1, size0);
-                let per_scale = V::Scalar::one() / (self.atol + self.rtol * size);
-                for k in 0..K {
-                    let error = self.errors[k].as_slice()[i] * per_scale;
-                    sums[k] = sums[k] + error * error;
+                per_scale[i] = V::Scalar::one() / (self.atol + self.rtol * size);
+            }
+            for k in 0..K {
+                let errors = self.errors[k].as_mut_slice();
+                for i in 0..errors.len() {
+                    errors[i] = weighted(rows[k], slopes, i) * per_scale[i];
+                }
+                for i in 0..errors.len() {
+                    sums[k] = sums[k] + errors[i] * errors[i];
                 }
             }
         }
@@ -460,15 +462,6 @@ fn combine<V: Coordinates, const N: usize, const S: usize>(
             sum = sum + term(weight);
         }
         out[i] = base[i] + sum;
-    }
-}
-
-/// `Σ weight · slope`.
-#[inline(always)]
-fn weigh<V: Coordinates, const N: usize, const S: usize>(out: &mut V, row: &[Weight; N], slopes: &[V; S]) {
-    let out = out.as_mut_slice();
-    for i in 0..out.len() {
-        out[i] = weighted(row, slopes, i);
     }
 }
 
