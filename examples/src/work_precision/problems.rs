@@ -35,6 +35,22 @@ impl<F> Problem<F> {
     }
 }
 
+impl<F: Force> Problem<F> {
+    /// As many right-hand sides, which wait for each other as those of a step's stages do: coordinates depend on the
+    /// velocities of the one before, velocities on its accelerations. What they amount to keeps them from being left
+    /// out.
+    pub(crate) fn right_hand_sides(&self, count: usize) -> [f64; 2] {
+        const STEP: f64 = 1e-3;
+        let moved = |from: [f64; 2], by: [f64; 2]| [from[0] + STEP * by[0], from[1] + STEP * by[1]];
+        let (mut q, mut qd) = (self.q, self.qd);
+        for _ in 0..count {
+            let qdd = (self.force)(&q, &qd);
+            (q, qd) = (moved(self.q, qd), moved(self.qd, qdd));
+        }
+        moved(q, qd)
+    }
+}
+
 /// Ten periods of a Kepler orbit of eccentricity 0.6, from periapsis.
 pub(crate) fn kepler() -> Problem<impl Force> {
     let force = |q: &[f64; 2], _: &[f64; 2]| {
