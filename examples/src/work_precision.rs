@@ -3,6 +3,7 @@
 mod problems;
 mod rivals;
 
+use std::hint::black_box;
 use std::ops::ControlFlow;
 use std::time::Instant;
 
@@ -38,6 +39,9 @@ pub struct Report {
     pub methods: Vec<(&'static str, Vec<Point>)>,
     /// DOP853 by crate, `mbs_runtime` first, with the fastest time of each run \[µs\].
     pub crates: Vec<(&'static str, Vec<Point>, Vec<f64>)>,
+    /// The fastest time of as many right-hand sides as `mbs_runtime` evaluates at each tolerance, and nothing else
+    /// \[µs\].
+    pub right_hand_sides: Vec<f64>,
 }
 
 /// Runs with the tolerance given.
@@ -53,11 +57,12 @@ pub fn reports() -> Result<[Report; 3], Failure> {
 
 fn report<F: Force>(problem: &Problem<F>) -> Result<Report, Failure> {
     let contenders = contenders(problem);
-    let mut crates = Vec::new();
+    let mut crates: Vec<(_, Vec<Point>, Vec<f64>)> = Vec::new();
     for (name, run) in &contenders {
         let points = tolerances(EXPONENTS).map(run).collect::<Result<_, _>>()?;
         crates.push((*name, points, vec![f64::INFINITY; EXPONENTS.count()]));
     }
+    let mut right_hand_sides = vec![f64::INFINITY; EXPONENTS.count()];
     for _ in 0..ROUNDS {
         for (i, tolerance) in tolerances(EXPONENTS).enumerate() {
             for ((_, run), (_, _, fastest)) in contenders.iter().zip(&mut crates) {
@@ -65,9 +70,12 @@ fn report<F: Force>(problem: &Problem<F>) -> Result<Report, Failure> {
                 run(tolerance)?;
                 fastest[i] = f64::min(fastest[i], start.elapsed().as_secs_f64() * 1e6);
             }
+            let start = Instant::now();
+            black_box(problem.right_hand_sides(crates[0].1[i].evaluations));
+            right_hand_sides[i] = f64::min(right_hand_sides[i], start.elapsed().as_secs_f64() * 1e6);
         }
     }
-    Ok(Report { problem: problem.name, methods: methods(problem)?, crates })
+    Ok(Report { problem: problem.name, methods: methods(problem)?, crates, right_hand_sides })
 }
 
 /// One period of the Arenstorf orbit by DOP853 of a crate, by its name in [`Report::crates`]: what `benches/` times.

@@ -35,6 +35,22 @@ impl<F> Problem<F> {
     }
 }
 
+impl<F: Force> Problem<F> {
+    /// As many right-hand sides, which wait for each other as those of a step's stages do: coordinates depend on the
+    /// velocities of the one before, velocities on its accelerations. What they amount to keeps them from being left
+    /// out.
+    pub(crate) fn right_hand_sides(&self, count: usize) -> [f64; 2] {
+        const STEP: f64 = 1e-3;
+        let moved = |from: [f64; 2], by: [f64; 2]| [from[0] + STEP * by[0], from[1] + STEP * by[1]];
+        let (mut q, mut qd) = (self.q, self.qd);
+        for _ in 0..count {
+            let qdd = (self.force)(&q, &qd);
+            (q, qd) = (moved(self.q, qd), moved(self.qd, qdd));
+        }
+        moved(q, qd)
+    }
+}
+
 /// Ten periods of a Kepler orbit of eccentricity 0.6, from periapsis.
 pub(crate) fn kepler() -> Problem<impl Force> {
     let force = |q: &[f64; 2], _: &[f64; 2]| {
@@ -64,10 +80,12 @@ pub(crate) fn arenstorf() -> Problem<impl Force> {
     const EARTH: f64 = 1.0 - MOON;
     let force = |q: &[f64; 2], qd: &[f64; 2]| {
         let [to_earth, to_moon] = [q[0] + MOON, q[0] - EARTH];
-        let [d1, d2] = [to_earth, to_moon].map(|x| {
+        // Called twice, and not mapped over an array: without LTO that would be a call of the library for each.
+        let cubed_distance = |x: f64| {
             let squared = x * x + q[1] * q[1];
             squared * squared.sqrt()
-        });
+        };
+        let (d1, d2) = (cubed_distance(to_earth), cubed_distance(to_moon));
         [
             q[0] + 2.0 * qd[1] - EARTH * to_earth / d1 - MOON * to_moon / d2,
             q[1] - 2.0 * qd[0] - EARTH * q[1] / d1 - MOON * q[1] / d2,

@@ -57,11 +57,13 @@ impl Control {
     }
 
     /// The shortest step to try at the time `t`.
+    #[inline]
     fn shortest<T: Real>(&self, t: f64) -> f64 {
         self.min_step.max(16.0 * f64::EPSILON * t.abs()).max(T::MIN_POSITIVE.to_f64())
     }
 
     /// How much longer the next step may be: `0.9 error^(−α) previous^β` within bounds, the shortest for NaN.
+    #[inline]
     fn factor<T: Real>(&self, error: T, previous: f64) -> f64 {
         if !error.is_finite() {
             return self.factors[0];
@@ -73,10 +75,11 @@ impl Control {
         } else {
             error.powf(T::from_f64(-self.alpha))
         };
-        let integral = SAFETY * root.to_f64();
-        let proportional =
-            if self.beta == 0.0 { 1.0 } else { T::from_f64(previous).powf(T::from_f64(self.beta)).to_f64() };
-        (integral * proportional).clamp(self.factors[0], self.factors[1])
+        let mut factor = SAFETY * root.to_f64();
+        if self.beta != 0.0 {
+            factor *= T::from_f64(previous).powf(T::from_f64(self.beta)).to_f64();
+        }
+        factor.clamp(self.factors[0], self.factors[1])
     }
 }
 
@@ -178,6 +181,7 @@ impl Pace {
     }
 
     /// The next step from `summary.time` on the way to `t_end`.
+    #[inline]
     pub(super) fn attempt<T: Real, E>(
         &mut self,
         control: &Control,
@@ -189,13 +193,25 @@ impl Pace {
             return Err(IntegrationError::TooManySteps { time: start, steps: control.max_steps });
         }
         let shortest = control.shortest::<T>(start);
-        let step = self.step.min(control.max_step).max(shortest);
+        // By comparisons, which are foreseen: the first stage waits for the outcome of `min` and `max`.
+        let mut step = self.step;
+        if step > control.max_step {
+            step = control.max_step;
+        }
+        if step < shortest {
+            step = shortest;
+        }
         self.step = step;
         let remaining = (t_end - start).abs();
         // A rest of less than a hundredth of a step is worth no step of its own.
         let last = 1.01 * step >= remaining && remaining <= (1.0 + 1e-9) * control.max_step;
-        let direction = if t_end > start { 1.0 } else { -1.0 };
-        let (end, length) = if last { (t_end, remaining) } else { (start + direction * step, step) };
+        let (end, length) = if last {
+            (t_end, remaining)
+        } else if t_end > start {
+            (start + step, step)
+        } else {
+            (start - step, step)
+        };
         Ok(Attempt { end, length, shortest, last })
     }
 
@@ -221,6 +237,7 @@ impl Pace {
     }
 
     /// After an accepted step with this error; a good length for whoever goes on \[s\].
+    #[inline]
     pub(super) fn accept<T: Real>(&mut self, control: &Control, attempt: &Attempt, error: T) -> f64 {
         let factor = control.factor(error, self.previous);
         let proposed = attempt.length * if self.rejected { factor.min(1.0) } else { factor };
@@ -237,8 +254,10 @@ pub(super) struct Stages<V: Coordinates, const S: usize> {
     pub(super) v: [V; S],
     /// `q̈` of the stages: the slopes of `q̇`.
     pub(super) a: [V; S],
-    /// The coordinates of the stage at hand.
+    /// The coordinates of the stage at hand; after the last one, what errors are multiplied by.
     q: V,
+    /// The errors of the step in units of the tolerance, of `q` or of `q̇`, by each row of weights.
+    errors: [V; 2],
     rtol: V::Scalar,
     atol: V::Scalar,
 }
@@ -249,6 +268,7 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
             v: core::array::from_fn(|_| like.q.clone()),
             a: core::array::from_fn(|_| like.q.clone()),
             q: like.q.clone(),
+            errors: core::array::from_fn(|_| like.q.clone()),
             rtol: V::Scalar::from_f64(control.rtol),
             atol: V::Scalar::from_f64(control.atol),
         }
@@ -266,6 +286,7 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
     }
 
     /// The first stage of a later step is the stage `end` of the one before.
+    #[inline]
     pub(super) fn proceed(&mut self, end: usize) {
         self.v.swap(0, end);
         self.a.swap(0, end);
@@ -309,19 +330,28 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
     /// For each row of weights the sum over `q` and `q̇` of `(Σ weight · slope / scale)²`.
     #[inline(always)] // as in `combine`
     pub(super) fn squares<const N: usize, const K: usize>(
-        &self,
+        &mut self,
         rows: [&[Weight; N]; K],
         old: &State<V>,
         new: &State<V>,
     ) -> [V::Scalar; K] {
         let mut sums = [V::Scalar::zero(); K];
         for (slopes, y0, y1) in [(&self.v, &old.q, &new.q), (&self.a, &old.qd, &new.qd)] {
-            let (y0, y1) = (y0.as_slice(), y1.as_slice());
-            for i in 0..y0.len() {
-                let per_scale = V::Scalar::one() / (self.atol + self.rtol * y0[i].abs().maximum(y1[i].abs()));
-                for (sum, row) in sums.iter_mut().zip(rows) {
-                    let error = weighted(row, slopes, i) * per_scale;
-                    *sum = *sum + error * error;
+            // Line by line over all numbers, so that the compiler makes vectors of them.
+            let (y0, y1, per_scale) = (y0.as_slice(), y1.as_slice(), self.q.as_mut_slice());
+            for i in 0..per_scale.len() {
+                // `maximum` would look for NaN, which ends the step anyway.
+                let (size0, size1) = (y0[i].abs(), y1[i].abs());
+                let size = V::Scalar::blend(size0.less(size1), size1, size0);
+                per_scale[i] = V::Scalar::one() / (self.atol + self.rtol * size);
+            }
+            for k in 0..K {
+                let errors = self.errors[k].as_mut_slice();
+                for i in 0..errors.len() {
+                    errors[i] = weighted(rows[k], slopes, i) * per_scale[i];
+                }
+                for i in 0..errors.len() {
+                    sums[k] = sums[k] + errors[i] * errors[i];
                 }
             }
         }

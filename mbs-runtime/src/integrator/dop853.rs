@@ -147,7 +147,7 @@ impl<V: Coordinates> Sweep<V> {
 
     /// The error of the step in units of the tolerance: of order 5, damped where the one of order 3 is larger.
     #[inline(always)]
-    pub(super) fn error(&self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
+    pub(super) fn error(&mut self, h: V::Scalar, old: &State<V>, new: &State<V>) -> V::Scalar {
         let [fifth, third] = self.stages.squares([&E5, &E3], old, new);
         let damped = fifth + V::Scalar::from_f64(0.01) * third;
         let count = V::Scalar::from_f64(2.0 * old.q.as_slice().len() as f64);
@@ -175,6 +175,7 @@ impl<V: Coordinates<Scalar: Real>> Method<V> for Work<V> {
         self.sweep.stages.begin(system, t, state)
     }
 
+    #[inline]
     fn proceed<F: Acceleration<V>>(
         &mut self,
         _: &mut System<F>,

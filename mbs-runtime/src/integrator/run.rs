@@ -162,6 +162,7 @@ where
     }
 
     /// Makes the method ready for a step from here.
+    #[inline]
     pub(super) fn ready(&mut self) -> Result<(), Fault<F::Error>> {
         let t = self.summary.time;
         match self.known {
@@ -177,6 +178,7 @@ where
     }
 
     /// Accepts the step just made, which ends at the time `end`, and asks the observer.
+    #[inline]
     pub(super) fn accept(&mut self, end: f64) -> Result<Next, IntegrationError<F::Error>> {
         let onward = Accepted {
             span: Span { start: self.summary.time, end, old: self.state, new: &self.new },
@@ -247,6 +249,7 @@ where
     M: Method<V>,
 {
     /// Shows the step to the observer; how the integration goes on.
+    #[inline]
     fn observe(
         mut self,
         observer: &mut impl Observer<V, F::Error>,
