@@ -19,7 +19,7 @@ pub(crate) fn places(covariance: &Matrix6<f64>, misses: &[Vec<f64>]) -> Figure {
         let crosses = misses[right].iter().zip(&misses[up]).take(DRAWN).flat_map(|(x, y)| cross(*x, *y));
         let lines = vec![
             PlaneLine::new("flights", crosses.collect()),
-            PlaneLine::new("95 % by covariance", shadow(covariance, [right, up])),
+            PlaneLine::new("ellipsoid of 95 % by covariance", shadow(covariance, [right, up])),
         ];
         Panel::Plane(Plane { labels: ["along the orbit [m]".into(), label.into()], lines, marks: Vec::new() })
     };
@@ -34,11 +34,12 @@ fn cross(x: f64, y: f64) -> [[f64; 2]; 6] {
     [[x - CROSS, y], [x + CROSS, y], gap, [x, y - CROSS], [x, y + CROSS], gap]
 }
 
-/// The outline of the ellipsoid of places seen along the third axis: `yᵀ P₂⁻¹ y = χ²` with the covariance P₂ of two axes.
+/// The outline of the ellipsoid of places, seen along the third axis: `yᵀ P₂⁻¹ y = χ²`, where `P₂` is the covariance
+/// along the two axes of the panel.
 fn shadow(covariance: &Matrix6<f64>, axes: [usize; 2]) -> Vec<[f64; 2]> {
     const SIDES: u32 = 180;
     let plane = Matrix2::from_fn(|i, j| covariance[(axes[i], axes[j])]);
-    let root = plane.cholesky().map_or_else(Matrix2::zeros, |factor| factor.l());
+    let root = plane.cholesky().expect("the covariance was inverted").l();
     let point = |k: u32| {
         let angle = TAU * f64::from(k) / f64::from(SIDES);
         WITHIN.sqrt() * root * Vector2::new(angle.cos(), angle.sin())

@@ -50,10 +50,10 @@ fn main() -> Result<(), Failure> {
     let miss = |member: &Member| flight.miss(design, member).map_err(|error| error.to_string());
     let (folder, misses) = (arguments.folder()?, dispersion.all_columns(options.table.as_deref(), &miss)?);
     let covariance = flight.covariance(&dispersion.plan, design)?;
+    let dispersions = Dispersions::of(&covariance, &misses)?;
     if let Some(folder) = folder {
         output::write_figure(folder, "docking_dispersions", &figure::places(&covariance, &misses), &ASSUMED)?;
     }
-    let dispersions = Dispersions::of(&covariance, &misses)?;
     arguments.answer(dispersions.object(), &dispersions.text(), &ASSUMED);
     Ok(())
 }

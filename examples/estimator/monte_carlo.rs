@@ -96,5 +96,5 @@ fn run(heave: Heave<4>, seed: u64) -> Result<Run, Error> {
 
 /// Landings of a case with the seeds 0, 1, ….
 pub(crate) fn runs(heave: Heave<4>, count: u32) -> Result<Vec<Run>, Failure> {
-    Ok(members::flown(count, |seed| run(heave, seed))?.into_iter().collect::<Result<_, Error>>()?)
+    Ok(members::flown(count, |seed| run(heave, seed)).into_iter().collect::<Result<_, Error>>()?)
 }

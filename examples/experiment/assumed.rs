@@ -4,8 +4,8 @@ use mbs_examples::assumed;
 use mbs_landing::experiment::tracking::{LINK_EXCESS, MODULE_EXCESS};
 use serde_json::{Value, json};
 
-/// Beside what every landing and every leg rests on: the thesis' summary has no number of its experiment but the length
-/// of the rail.
+/// What the experiment rests on beside [`assumed::LANDING`] and [`assumed::PLATFORM`]. The thesis' summary gives one
+/// number of it, the length of the rail.
 const ASSUMED: [&str; 10] = [
     "arm.masses",
     "arm.mass_centres",
@@ -20,6 +20,7 @@ const ASSUMED: [&str; 10] = [
 ];
 const NOT_CHECKED: [&str; 1] = ["collisions with anything but arm, vehicle and platform: rail, floor, walls, cables"];
 
+/// The keys of all that the experiment rests on.
 pub(crate) fn keys() -> Vec<&'static str> {
     [assumed::LANDING, assumed::PLATFORM, &ASSUMED].concat()
 }

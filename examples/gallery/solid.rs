@@ -115,7 +115,7 @@ pub(crate) fn drawing(title: &str, size: (u32, u32), sketch: Sketch) -> Figure {
     Figure { title: title.to_string(), size, panels: vec![Panel::Sketch(sketch)] }
 }
 
-/// Of what arms, legs and vehicles are made of.
+/// The colour of arms, legs and vehicles.
 pub(crate) const STEEL: Color = Color(176, 186, 198);
 /// The stroke of auxiliary lines.
 pub(crate) const THIN: Stroke = Stroke::new(BLACK, 1.0);

@@ -3,7 +3,8 @@
 //! The plan is `examples/ensembles/landing.toml`, or the one of `--plan FILE`, such as `landing_seas.toml` beside it;
 //! each member is a closure of its values with generated code, the landing's controller at 500 Hz, and a noisy sensor,
 //! whose random numbers are the member's own. The table goes to `--table FILE`, which a killed run continues.
-//! `--out DIR` writes histograms. `--compare` measures what the ensemble costs beside the bare loop over its closures, on one thread.
+//! `--out DIR` writes histograms (SVG and PNG). `--compare` measures what the ensemble costs beside the bare loop over
+//! its closures, on one thread, and nothing else.
 
 mod landings;
 
@@ -61,6 +62,9 @@ fn main() -> Result<(), Failure> {
     columns.iter_mut().for_each(|column| column.retain(|value| value.is_finite()));
     let keys = [assumed::LANDING, &ASSUMED].concat();
     if let Some(folder) = folder {
+        if columns[0].is_empty() {
+            return Err(Failure::new("no landing touched down: there is nothing to draw"));
+        }
         output::write_figure(folder, "landings", &histograms::figure("landings", &QUANTITIES, &columns), &keys)?;
     }
     let (object, text) = report(&outcome, columns);

@@ -58,7 +58,7 @@ impl<O: clap::Args> Arguments<O> {
     }
 }
 
-/// How an option of these values is read, each by its name.
+/// A parser for an option that takes one of these names, and gives the value of the name.
 pub fn one_of<T: Clone + Send + Sync + 'static, const N: usize>(
     values: [(&'static str, T); N],
 ) -> impl TypedValueParser<Value = T> {

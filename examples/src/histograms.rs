@@ -2,7 +2,8 @@
 
 use mbs_chart::{Figure, Line, Panel};
 
-/// A histogram of each quantity, one below the other: how many `members`, such as landings, and names with units.
+/// A histogram of each quantity, one below the other: how many `members`, such as landings, and names with units; one
+/// value of each at least.
 #[must_use]
 pub fn figure(members: &str, quantities: &[(&str, &str)], columns: &[Vec<f64>]) -> Figure {
     let panel = |((name, unit), values): (&(&str, &str), &Vec<f64>)| {
@@ -25,9 +26,21 @@ fn histogram(values: &[f64]) -> (Vec<f64>, Vec<usize>) {
     let bins = ((values.len() as f64).sqrt() as usize).clamp(1, 60);
     let (low, high) =
         values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| (low.min(x), high.max(x)));
-    // Where all are equal there is one bin that holds them.
+    // If all values are equal the bins are 1 wide, and the first one holds them.
     let width = if high > low { (high - low) / bins as f64 } else { 1.0 };
     let mut counts = vec![0; bins];
     values.iter().for_each(|x| counts[(((x - low) / width) as usize).min(bins - 1)] += 1);
     ((0..=bins).map(|k| low + width * k as f64).collect(), counts)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::histogram;
+
+    #[test]
+    fn every_value_is_in_one_bin() {
+        assert_eq!(histogram(&[3.0; 4]), (vec![3.0, 4.0, 5.0], vec![4, 0]));
+        assert_eq!(histogram(&[0.0, 1.0, 1.5, 4.0]), (vec![0.0, 2.0, 4.0], vec![3, 1]));
+        assert_eq!(histogram(&[7.0]), (vec![7.0, 8.0], vec![1]));
+    }
 }

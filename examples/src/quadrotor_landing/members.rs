@@ -29,11 +29,8 @@ pub fn around(state: &State<[f64; 6]>, deviations: [f64; 4], mut normal: impl Fn
 }
 
 /// Landings with the seeds 0, 1, …, the same for any number of threads; a terminal shows how far they are.
-///
-/// # Errors
-/// None.
-pub fn flown<T: Send>(count: u32, landing: impl Fn(u64) -> T + Sync) -> Result<Vec<T>, Failure> {
-    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go")?;
+pub fn flown<T: Send>(count: u32, landing: impl Fn(u64) -> T + Sync) -> Vec<T> {
+    let style = ProgressStyle::with_template("{wide_bar} {pos}/{len} landings, {eta} to go").expect("a template");
     let progress = ProgressBar::new(u64::from(count)).with_style(style);
     let flown = |seed| {
         let landing = landing(seed);
@@ -42,7 +39,7 @@ pub fn flown<T: Send>(count: u32, landing: impl Fn(u64) -> T + Sync) -> Result<V
     };
     let landings = (0..u64::from(count)).into_par_iter().map(flown).collect();
     progress.finish_and_clear();
-    Ok(landings)
+    landings
 }
 
 /// Runs what follows on this number of threads, or on as many as there are cores.
