@@ -4,8 +4,9 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use mbs_derive::optimise::FunctionKind;
+use mbs_derive::optimise::{Argument, FunctionKind};
 use mbs_derive::variable::component_names;
+use mbs_native::Kind;
 use mbs_runtime::{
     Constraints, Direction, Dop853, Dopri5, Event, GaussLegendre4, IntegrationError, Integrator, Projector,
     RedundantRows, Response, Rk4, SemiImplicitEuler, State, Step, StormerVerlet, Summary,
@@ -96,9 +97,9 @@ impl Equations {
         let number = self.number(kind);
         let (mut u, mut prescribed, zeros) = (Vec::new(), Vec::new(), vec![0.0; q.len()]);
         let wanted = function::arguments(&self.engine.derivation, number);
-        let wants = |name: &str| wanted.iter().any(|argument| argument.kind.name() == name);
-        let u_given = if wants("u") { self.u.at(t, Some((q, qd)), &mut u) } else { Ok(()) };
-        let given = u_given.and_then(|()| match wants("prescribed") {
+        let wants = |kind: Kind| wanted.iter().any(|argument| argument.kind == kind);
+        let u_given = if wants(Kind::Of(Argument::U)) { self.u.at(t, Some((q, qd)), &mut u) } else { Ok(()) };
+        let given = u_given.and_then(|()| match wants(Kind::Prescribed) {
             true => self.prescribed.at(t, None, &mut prescribed),
             false => Ok(()),
         });
@@ -109,13 +110,13 @@ impl Equations {
         let t = [t];
         let arguments: Vec<(&[f64], usize)> = wanted
             .iter()
-            .map(|argument| match argument.name {
-                "t" => (&t[..], 0),
-                "prescribed" => (&prescribed[..], 0),
-                "q" => (q, 0),
-                "qd" => (qd, 0),
-                "u" => (&u[..], 0),
-                _ => (&zeros[..], 0),
+            .map(|argument| match argument.kind {
+                Kind::Time => (&t[..], 0),
+                Kind::Prescribed => (&prescribed[..], 0),
+                Kind::Of(Argument::Q) => (q, 0),
+                Kind::Of(Argument::Qd) => (qd, 0),
+                Kind::Of(Argument::U) => (&u[..], 0),
+                Kind::Of(Argument::Qdd | Argument::Multipliers) => (&zeros[..], 0),
             })
             .collect();
         self.engine.evaluate(number, &self.values, &arguments, 1, &mut [result]);
