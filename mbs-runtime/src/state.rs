@@ -25,7 +25,7 @@ impl<V> State<V> {
 }
 
 impl<V: Coordinates> State<V> {
-    /// True where all coordinates and velocities are.
+    /// Whether all coordinates and velocities are finite.
     #[must_use]
     #[inline]
     pub fn is_finite(&self) -> bool {
@@ -58,10 +58,10 @@ pub trait Coordinates: Clone {
     /// The numbers in the order of the coordinates.
     fn as_mut_slice(&mut self) -> &mut [Self::Scalar];
 
-    /// True where all numbers are.
+    /// Whether all numbers are finite.
     #[inline]
     fn is_finite(&self) -> bool {
-        // Without a branch for each: they are finite but for once in a long while.
+        // No early exit: numbers are nearly always finite, and so the loop is one of vectors.
         self.as_slice().iter().fold(true, |finite, x| finite & x.is_finite())
     }
 

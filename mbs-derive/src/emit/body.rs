@@ -229,7 +229,7 @@ impl<'p, 'n> Writer<'p, 'n> {
         let mut links = BTreeMap::new();
         for (value, name) in &program.notes {
             wishes.entry(*value).or_insert_with(|| name.clone());
-            links.extend(links::link(name).map(|link| (*value, link)));
+            links.extend(links::of_note(name).map(|link| (*value, link)));
         }
         let mut goals = vec![None; program.instructions.len()];
         for (i, instruction) in program.instructions.iter().enumerate().rev() {

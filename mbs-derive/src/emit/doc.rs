@@ -112,8 +112,8 @@ fn regrouped(derivation: &Derivation, words: &BTreeSet<&str>) -> Vec<String> {
 
 const KEY_TO_LOCALS: &str = "Locals with the number j of a joint, from 1 at the base, are of the link behind it, in its axes, about its origin:";
 
-/// Whether locals with these letters before a number are of the link with that number.
-pub(super) fn of_link(letters: &str) -> bool {
+/// Whether locals with these letters before a number belong to the link with that number.
+pub(super) fn is_of_link(letters: &str) -> bool {
     let is_of_links = |names: &[&str]| names.iter().all(|name| !name.ends_with('_'));
     KEY.iter().any(|(names, _)| is_of_links(names) && names.contains(&letters))
 }

@@ -448,14 +448,18 @@ impl<'d> Walk<'d> {
 }
 
 impl Writer<'_, '_> {
-    /// The lines of a block's statements, and before those of a link which one it is.
+    /// The lines of a block's statements, with a comment wherever another link begins.
     pub(super) fn statements(&self, block: &Block) -> Vec<String> {
-        let mut links = links::begins(&block.statements, &self.body.links);
-        block.statements.iter().enumerate().flat_map(|(i, one)| self.of_link(links.remove(&i), one)).collect()
+        let mut links = links::starts(&block.statements, &self.body.links);
+        block.statements.iter().enumerate().flat_map(|(i, one)| self.below_link(links.remove(&i), one)).collect()
     }
 
-    /// The lines of a statement, after the link that begins with it.
-    pub(super) fn of_link(&self, link: Option<usize>, statement: &Statement) -> impl Iterator<Item = String> + use<> {
+    /// The lines of a statement, below a comment if a link begins with it.
+    pub(super) fn below_link(
+        &self,
+        link: Option<usize>,
+        statement: &Statement,
+    ) -> impl Iterator<Item = String> + use<> {
         let comment = link.map(|link| self.syntax.comment(&format!("Link {link}.")));
         comment.into_iter().chain(self.statement(statement))
     }

@@ -193,7 +193,7 @@ impl Pace {
             return Err(IntegrationError::TooManySteps { time: start, steps: control.max_steps });
         }
         let shortest = control.shortest::<T>(start);
-        // By comparisons, which are foreseen: the first stage waits for the outcome of `min` and `max`.
+        // Branches, which the processor predicts; for the outcome of `min` and `max` the first stage would wait.
         let mut step = self.step;
         if step > control.max_step {
             step = control.max_step;
@@ -254,9 +254,9 @@ pub(super) struct Stages<V: Coordinates, const S: usize> {
     pub(super) v: [V; S],
     /// `q̈` of the stages: the slopes of `q̇`.
     pub(super) a: [V; S],
-    /// The coordinates of the stage at hand; after the last one, what errors are multiplied by.
+    /// The coordinates of the current stage; after the last stage `1/scale` of each number.
     q: V,
-    /// The errors of the step in units of the tolerance, of `q` or of `q̇`, by each row of weights.
+    /// Scratch of `squares`: `Σ weight · slope / scale` of each number, for each row of weights.
     errors: [V; 2],
     rtol: V::Scalar,
     atol: V::Scalar,
@@ -340,7 +340,7 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
             // Line by line over all numbers, so that the compiler makes vectors of them.
             let (y0, y1, per_scale) = (y0.as_slice(), y1.as_slice(), self.q.as_mut_slice());
             for i in 0..per_scale.len() {
-                // `maximum` would look for NaN, which ends the step anyway.
+                // Not `maximum`, which tests for NaN as well: a state that is not finite is refused by the caller.
                 let (size0, size1) = (y0[i].abs(), y1[i].abs());
                 let size = V::Scalar::blend(size0.less(size1), size1, size0);
                 per_scale[i] = V::Scalar::one() / (self.atol + self.rtol * size);

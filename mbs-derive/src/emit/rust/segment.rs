@@ -31,7 +31,7 @@ pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> 
     let pieces: Vec<&[Statement]> = runs.flat_map(|run| run.chunks(length)).collect();
     let leaving = leaving(&pieces, &block.results);
     let names: Vec<&str> = leaving.iter().map(|local| writer.body.locals[*local].as_str()).collect();
-    let (mut links, mut numbers) = (links::begins(&block.statements, &writer.body.links), 0..);
+    let (mut links, mut numbers) = (links::starts(&block.statements, &writer.body.links), 0..);
     let blocks = pieces.iter().map(|piece| {
         let lines = piece.iter().zip(numbers.by_ref()).flat_map(|(statement, i)| {
             let leaves = statement.binds().iter().any(|local| leaving.contains(local));
@@ -39,7 +39,7 @@ pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> 
                 Some(assignment) if leaves => assignment.to_string(),
                 _ => line,
             };
-            writer.of_link(links.remove(&i), statement).map(assigned)
+            writer.below_link(links.remove(&i), statement).map(assigned)
         });
         let lines = lines.collect::<Vec<_>>().join("\n");
         if piece.iter().any(is_on_demand) { lines } else { format!("{{ {lines} }}") }
