@@ -41,8 +41,8 @@ pub(crate) fn figure() -> Figure {
         sketch.area(corners, if mechanisms.is_empty() { Color(243, 243, 243) } else { LIGHT });
         sketch.line([&corners[..], &corners[..1]].concat(), Stroke::new(GRAY, 1.2));
         let middle = [x + 0.5 * WIDE, y + 0.5 * HIGH];
-        sketch.styled(middle, name, [0.0, if mechanisms.is_empty() { 0.0 } else { -11.0 }], 15.0, BLACK);
-        sketch.styled(middle, mechanisms, [0.0, 13.0], 12.5, BLUE);
+        sketch.styled_word(middle, name, [0.0, if mechanisms.is_empty() { 0.0 } else { -11.0 }], 15.0, BLACK);
+        sketch.styled_word(middle, mechanisms, [0.0, 13.0], 12.5, BLUE);
     }
     for (from, to) in ARROWS {
         sketch.arrow([from, to], Stroke::new(BLACK, 1.4));

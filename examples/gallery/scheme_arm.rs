@@ -55,7 +55,7 @@ fn flow(pose: &Pose<f64>) -> Sketch {
         let corners = [[left, 0.0], [left + wide, 0.0], [left + wide, high], [left, high]];
         sketch.area(corners, LIGHT);
         sketch.line([&corners[..], &corners[..1]].concat(), THIN);
-        sketch.styled([left + 0.5 * wide, high], title, [0.0, 18.0], 17.0, BLUE);
+        sketch.styled_word([left + 0.5 * wide, high], title, [0.0, 18.0], 17.0, BLUE);
     }
     for (i, angle) in ANGLES.into_iter().enumerate() {
         let at = [0.75 + 1.4 * (i / 3) as f64, 1.3 - 0.45 * (i % 3) as f64];
@@ -73,11 +73,11 @@ fn flow(pose: &Pose<f64>) -> Sketch {
     sketch.word([9.18, 1.42], "m", [2.0, 0.0]);
     let strokes = [Stroke::new(GREEN, 2.2), Stroke::new(ORANGE, 2.2)];
     sketch.arrow([[3.0, 1.45], [6.1, 1.45]], strokes[0]);
-    sketch.styled([4.55, 1.45], "direct: T_1 T_2 T_3 T_4 T_5 T_6", [0.0, -16.0], 15.0, GREEN);
-    sketch.styled([4.55, 1.45], "(3.1)–(3.4), one pose", [0.0, 16.0], 13.0, GRAY);
+    sketch.styled_word([4.55, 1.45], "direct: T_1 T_2 T_3 T_4 T_5 T_6", [0.0, -16.0], 15.0, GREEN);
+    sketch.styled_word([4.55, 1.45], "(3.1)–(3.4), one pose", [0.0, 16.0], 13.0, GRAY);
     sketch.arrow([[6.1, 0.5], [3.0, 0.5]], strokes[1]);
-    sketch.styled([4.55, 0.5], "inverse: eight configurations", [0.0, -16.0], 15.0, ORANGE);
-    sketch.styled([4.55, 0.5], "(3.5)–(3.12)", [0.0, 16.0], 13.0, GRAY);
+    sketch.styled_word([4.55, 0.5], "inverse: eight configurations", [0.0, -16.0], 15.0, ORANGE);
+    sketch.styled_word([4.55, 0.5], "(3.5)–(3.12)", [0.0, 16.0], 13.0, GRAY);
     sketch
 }
 
@@ -105,7 +105,7 @@ fn postures(arm: &Arm, pose: &Pose<f64>) -> Result<Sketch, Failure> {
     for (y, line) in
         [(-1.5, "gray: the seven other configurations,"), (-1.75, "in pairs that differ by the wrist alone")]
     {
-        sketch.styled([0.0, y], line, [1.0, 0.0], 13.0, GRAY);
+        sketch.styled_word([0.0, y], line, [1.0, 0.0], 13.0, GRAY);
     }
     Ok(sketch)
 }
@@ -151,7 +151,7 @@ impl Side {
             (self.wrist, "4", [-6.0, 20.0]),
         ] {
             sketch.dot(at, 6.5, ORANGE);
-            sketch.styled(at, word, shift, 14.0, ORANGE);
+            sketch.styled_word(at, word, shift, 14.0, ORANGE);
         }
     }
 }
@@ -168,7 +168,7 @@ fn distance(from: [f64; 2], to: [f64; 2]) -> f64 {
 fn length(sketch: &mut Sketch, [from, to]: [[f64; 2]; 2], name: &str, shift: [f64; 2], color: Color) {
     sketch.line([from, to], Stroke::new(color, 1.8).dashed(DASHED));
     let middle = [0.5 * (from[0] + to[0]), 0.5 * (from[1] + to[1])];
-    sketch.styled(middle, format!("{name} = {:.4} m", distance(from, to)), shift, 14.0, color);
+    sketch.styled_word(middle, format!("{name} = {:.4} m", distance(from, to)), shift, 14.0, color);
 }
 
 /// An angle with its name, from one direction to another.
@@ -176,7 +176,7 @@ fn angle(sketch: &mut Sketch, at: [f64; 2], radius: f64, ends: [f64; 2], word: S
     let arc = plane_arc(at, radius, ends);
     let middle = arc[arc.len() / 2];
     sketch.line(arc, Stroke::new(color, 1.8));
-    sketch.styled(middle, word, shift, 14.0, color);
+    sketch.styled_word(middle, word, shift, 14.0, color);
 }
 
 fn degrees(ends: [f64; 2]) -> f64 {
@@ -202,7 +202,7 @@ pub(crate) fn side_view() -> Result<Vec<Figure>, Failure> {
     let (inner, outer) = (direction(side.elbow, side.wrist), direction(side.elbow, side.corner));
     angle(&mut sketch, side.elbow, 0.1, [inner, outer], String::new(), [0.0, 0.0], GREEN);
     let name = format!("α_1 = arctg(d_4/a_3) = {:.2}°", degrees([inner, outer]));
-    sketch.styled(side.elbow, name, [34.0, -20.0], 14.0, GREEN);
+    sketch.styled_word(side.elbow, name, [34.0, -20.0], 14.0, GREEN);
     let upper = direction(side.elbow, side.shoulder);
     let lower = inner + if inner < 0.0 { 2.0 * std::f64::consts::PI } else { 0.0 };
     let name = format!("γ = {:.2}°", degrees([upper, lower]));
@@ -213,7 +213,7 @@ pub(crate) fn side_view() -> Result<Vec<Figure>, Failure> {
     sketch.line([side.elbow, beyond], THIN.dashed(DOTTED));
     let name = format!("θ_3 = π − α_1 − γ = {:.2}°", degrees([onwards, outer]));
     angle(&mut sketch, side.elbow, 0.3, [onwards, outer], String::new(), [0.0, 0.0], ORANGE);
-    sketch.styled(beyond, name, [8.0, 0.0], 14.0, ORANGE);
+    sketch.styled_word(beyond, name, [8.0, 0.0], 14.0, ORANGE);
     let title = "Figure 3.2: side view in the plane of the arm, to scale, posture of Table 1";
     Ok(vec![drawing(title, (900, 580), sketch)])
 }
@@ -251,7 +251,7 @@ pub(crate) fn second_angle() -> Result<Vec<Figure>, Failure> {
         format!("θ_2 = π − β − ε − δ = {:.2}°", angles[3]),
     ];
     for (k, (line, color)) in lines.into_iter().zip([GREEN, PINK, BLUE, ORANGE]).enumerate() {
-        sketch.styled([0.95, 1.22 - 0.1 * k as f64], line, [1.0, 0.0], 14.0, color);
+        sketch.styled_word([0.95, 1.22 - 0.1 * k as f64], line, [1.0, 0.0], 14.0, color);
     }
     let title = "Figure 3.3: side view, the second angle, to scale, posture of Table 1";
     Ok(vec![drawing(title, (900, 660), sketch)])

@@ -71,7 +71,7 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
             sketch.dot(at, 5.5, color);
             let shift = [20.0 * at[0] / radius, -20.0 * at[1] / radius];
             let shift = if shift[0].abs() < 7.0 { [0.0, shift[1]] } else { [0.6 * shift[0], shift[1]] };
-            sketch.styled(at, format!("{name}_{}", i + 1), shift, 15.0, color);
+            sketch.styled_word(at, format!("{name}_{}", i + 1), shift, 15.0, color);
         }
     }
     for (axis, name) in [([0.45, 0.0], "x"), ([0.0, 0.45], "y")] {
@@ -83,7 +83,7 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
     sketch.line([[0.0; 2], base[1]], THIN);
     sketch.line(plane_arc([0.0; 2], 0.95, [0.0, params.base_half_angle]), Stroke::new(ORANGE, 1.8));
     let half = 0.5 * params.base_half_angle;
-    sketch.styled(
+    sketch.styled_word(
         [0.95 * half.cos(), 0.95 * half.sin()],
         format!("{:.0}°", params.base_half_angle.to_degrees()),
         [7.0, -2.0],
@@ -97,7 +97,7 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
     sketch.line(plane_arc([0.0; 2], 0.6, ends), Stroke::new(BLUE, 1.8));
     let middle = 0.5 * (ends[0] + ends[1]);
     let at = [0.6 * middle.cos(), 0.6 * middle.sin()];
-    sketch.styled(at, format!("{:.0}°", params.platform_half_angle.to_degrees()), [3.0, -14.0], 14.0, BLUE);
+    sketch.styled_word(at, format!("{:.0}°", params.platform_half_angle.to_degrees()), [3.0, -14.0], 14.0, BLUE);
     for (radius, turn, name, color) in
         [(params.base_radius, 205.0_f64, "r_B", ORANGE), (params.platform_radius, 155.0, "r_P", BLUE)]
     {
@@ -105,7 +105,13 @@ pub(crate) fn joints() -> Result<Vec<Figure>, Failure> {
         sketch.dimension([[0.0; 2], [radius * cos, radius * sin]], Stroke::new(color, 1.2));
         let part = if sin > 0.0 { 0.55 } else { 0.3 };
         let at = [part * radius * cos, part * radius * sin];
-        sketch.styled(at, format!("{name} = {radius} m"), [0.0, if sin > 0.0 { -28.0 } else { 30.0 }], 14.0, color);
+        sketch.styled_word(
+            at,
+            format!("{name} = {radius} m"),
+            [0.0, if sin > 0.0 { -28.0 } else { 30.0 }],
+            14.0,
+            color,
+        );
     }
     Ok(vec![drawing("Figure 4.2: joints of base and platform from above, at home, to scale", (820, 780), sketch)])
 }
@@ -141,14 +147,14 @@ pub(crate) fn actuator() -> Result<Vec<Figure>, Failure> {
         [(cylinder, BLUE, "cylinder", params.cylinder_mass), (piston, ORANGE, "piston", params.piston_mass)]
     {
         sketch.dot(at(centre, 0.0), 6.0, color);
-        sketch.styled(at(centre, -0.06), format!("{text}: mass centre, {mass} kg"), [18.0, 4.0], 15.0, color);
+        sketch.styled_word(at(centre, -0.06), format!("{text}: mass centre, {mass} kg"), [18.0, 4.0], 15.0, color);
     }
     let mut dimension = |from: f64, to: f64, off: f64, text: String, color: Color| {
         for end in [from, to] {
             sketch.line([at(end, 0.02), at(end, off + 0.02)], THIN.dashed(DOTTED));
         }
         sketch.dimension([at(from, off), at(to, off)], Stroke::new(color, 1.3));
-        sketch.styled(at(0.5 * (from + to), off), text, [-10.0, -4.0], 14.0, color);
+        sketch.styled_word(at(0.5 * (from + to), off), text, [-10.0, -4.0], 14.0, color);
     };
     dimension(0.0, cylinder, 0.14, format!("l_1 = {cylinder} m"), BLUE);
     dimension(piston, length, 0.14, format!("l_2 = {} m", params.piston_centre), ORANGE);

@@ -60,7 +60,7 @@ impl Solid {
 
     /// A word in a colour.
     pub(crate) fn tinted(&mut self, at: Point, word: &str, shift: [f64; 2], color: Color) {
-        self.sketch.styled(self.flat_point(at), word, shift, 15.0, color);
+        self.sketch.styled_word(self.flat_point(at), word, shift, 15.0, color);
     }
 
     /// The axes of a frame, as long as said, with their names at their tips.

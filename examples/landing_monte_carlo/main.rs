@@ -33,9 +33,6 @@ const RESULTS: [(&str, &str, &str); 3] = [
     ("horizontal_offset", "horizontal offset", "m"),
 ];
 
-/// What the landings rest on, beside what every landing does.
-const ASSUMED: [&str; 2] = ["landing.sampling", "landing.scatter"];
-
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let Options { members: count, threads } = arguments.options;
@@ -49,7 +46,7 @@ fn main() -> Result<(), Failure> {
     if landed < 2 {
         return Err(Failure::new(format!("{landed} of {count} members touched down")));
     }
-    let keys = [assumed::LANDING, &ASSUMED].concat();
+    let keys = [assumed::LANDING, &members::ASSUMED].concat();
     if let Some(folder) = arguments.folder()? {
         let rows = landings.iter().enumerate().filter_map(|(member, landing)| {
             landing.as_ref().ok().map(|results| [&[member as f64][..], results].concat())

@@ -3,19 +3,13 @@
 use mbs_ensemble::design::Variable;
 use mbs_ensemble::{Design, Member};
 use mbs_examples::Failure;
-use mbs_examples::quadrotor_landing::members::around;
+use mbs_examples::quadrotor_landing::members::{PERIOD, SEEN, around};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::Pcg64Mcg;
 use rand_pcg::rand_core::SeedableRng;
-
-/// The period of the controller and of RK4 \[s\].
-const PERIOD: f64 = 1.0 / 500.0;
-
-/// The deviations of what the sensors say, white \[m\], \[rad\], \[m/s\], \[rad/s\].
-const SEEN: [f64; 4] = [0.005, 0.001, 0.01, 0.002];
 
 /// What the plan may vary, with units.
 pub(crate) const VARIABLES: [(&str, &str); 12] = [

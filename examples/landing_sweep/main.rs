@@ -14,6 +14,7 @@ use std::time::Instant;
 use mbs_ensemble::statistics::{Moments, quantile, quantile_interval};
 use mbs_ensemble::{Member, Share, Sweep};
 use mbs_examples::dispersion::Dispersion;
+use mbs_examples::quadrotor_landing::members;
 use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output, println};
 use serde_json::{Value, json};
 
@@ -38,9 +39,6 @@ struct Options {
     compare: bool,
 }
 
-/// What the landings rest on, beside what every landing does.
-const ASSUMED: [&str; 2] = ["landing.sampling", "landing.scatter"];
-
 fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let options = &arguments.options;
@@ -60,7 +58,7 @@ fn main() -> Result<(), Failure> {
     let (outcome, mut columns) =
         dispersion.columns(options.table.as_deref(), options.threads.map(usize::from), &land)?;
     columns.iter_mut().for_each(|column| column.retain(|value| value.is_finite()));
-    let keys = [assumed::LANDING, &ASSUMED].concat();
+    let keys = [assumed::LANDING, &members::ASSUMED].concat();
     if let Some(folder) = folder {
         if columns[0].is_empty() {
             return Err(Failure::new("no landing touched down: there is nothing to draw"));

@@ -55,11 +55,11 @@ impl Sketch {
     /// A word at a place, moved by pixels to the right and down: one that is moved to the left ends there, one that
     /// is moved up or down alone is centred. What follows a `_`, a letter or all in braces, is an index.
     pub fn word(&mut self, at: [f64; 2], word: impl Into<String>, shift: [f64; 2]) {
-        self.styled(at, word, shift, SIZE, BLACK);
+        self.styled_word(at, word, shift, SIZE, BLACK);
     }
 
     /// A [word](Self::word) of this size \[px\] and colour.
-    pub fn styled(&mut self, at: [f64; 2], word: impl Into<String>, shift: [f64; 2], size: f64, color: Color) {
+    pub fn styled_word(&mut self, at: [f64; 2], word: impl Into<String>, shift: [f64; 2], size: f64, color: Color) {
         self.marks.push(Mark::Word { at, word: word.into(), shift, size, color });
     }
 

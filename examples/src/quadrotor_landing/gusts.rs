@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::flight::{KEPT, heaving};
-use super::members;
+use super::members::{self, PERIOD};
 use crate::Failure;
 
 /// At 20 ft over the ground \[m/s\].
@@ -22,8 +22,6 @@ const WIND: f64 = 6.0;
 const DIRECTION: f64 = 30.0;
 /// Mean height of the deck over the ground \[m\].
 const DECK: f64 = 3.0;
-/// Of the controller, of RK4, and of the gusts \[s\].
-const PERIOD: f64 = 0.002;
 /// Landings of each case.
 const MEMBERS: u64 = 200;
 

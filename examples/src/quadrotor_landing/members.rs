@@ -9,6 +9,24 @@ use rayon::prelude::*;
 
 use crate::Failure;
 
+/// The period of all sampled controllers, of RK4 beside them, and of gusts \[s\].
+pub const PERIOD: f64 = 0.002;
+/// The standard deviation of the mass, relative.
+pub const MASS: f64 = 0.02;
+/// The standard deviation of each principal inertia, relative.
+pub const INERTIA: f64 = 0.03;
+/// The standard deviation of the drag coefficient, relative.
+pub const DRAG: f64 = 0.1;
+/// The deviation of each component of a steady wind \[m/s\]; the vertical one is a tenth of it.
+pub const WIND: f64 = 1.5;
+/// The deviations of the first state \[m\], \[rad\], \[m/s\], \[rad/s\].
+pub const START: [f64; 4] = [0.3, 0.035, 0.2, 0.05];
+/// The deviations of what the sensors say, white, in the units of [`START`].
+pub const SEEN: [f64; 4] = [0.005, 0.001, 0.01, 0.002];
+
+/// What such landings rest on, beside what every landing does.
+pub const ASSUMED: [&str; 2] = ["landing.sampling", "landing.scatter"];
+
 /// Normal deviates of a seed.
 pub fn deviates(seed: u64) -> impl FnMut() -> f64 {
     let mut random = Pcg64Mcg::seed_from_u64(seed);

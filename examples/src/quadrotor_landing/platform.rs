@@ -17,9 +17,8 @@ use mbs_runtime::control::ComputedTorque;
 use serde_json::{Value, json};
 
 use super::flight::{KEPT, over_base};
+use super::members::PERIOD;
 
-/// The period of both controllers \[s\].
-const PERIOD: f64 = 0.002;
 /// Of the errors of the platform \[rad/s\].
 const NATURAL_FREQUENCY: f64 = 8.0;
 /// The motions are looked at for so long, the period of the heaves of the thesis, this often \[s\].

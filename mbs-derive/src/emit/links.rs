@@ -22,7 +22,7 @@ pub(super) fn of_note(note: &str) -> Option<usize> {
 }
 
 /// Reorders statements so that those of one link stand together, as far as their operands allow. A statement of no link
-/// comes no later than those that it stood before.
+/// whose operands are known stays before those that it stood before.
 ///
 /// `links` are those of the locals.
 pub(super) fn together(statements: Vec<Statement>, links: &[Option<usize>]) -> Vec<Statement> {
