@@ -20,6 +20,26 @@ pub(crate) struct Scale {
     pub(crate) step: f64,
 }
 
+/// The least and the greatest of the values that are finite; `None` where there are none, or they are further apart
+/// than a number can say.
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let finite = values.filter(|x| x.is_finite());
+    let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+    (low <= high && (high - low).is_finite()).then_some([low, high])
+}
+
+/// A range that has a length, as it is; one of the length 1 instead of what is empty, not finite or not a number: in
+/// its middle is where that one starts.
+pub(crate) fn with_length(range: Range<f64>) -> Range<f64> {
+    let length = range.end - range.start;
+    if length > 0.0 && length.is_normal() {
+        return range;
+    }
+    // Of greater numbers the next one is further away than 1.
+    let middle = if range.start.abs() < 1e15 { range.start } else { 0.0 };
+    middle - 0.5..middle + 0.5
+}
+
 /// The least of 1, 2 and 5 times a power of ten that is not less.
 pub(crate) fn round_step(rough: f64) -> f64 {
     let power = 10_f64.powf(rough.log10().floor());
@@ -27,9 +47,9 @@ pub(crate) fn round_step(rough: f64) -> f64 {
 }
 
 impl Scale {
-    /// With at most this many intervals, or as many more as two ticks need.
+    /// With at most this many intervals, or as many more as two ticks need; over a range [`with_length`].
     pub(crate) fn new(range: Range<f64>, count: f64) -> Self {
-        let range = if range.start < range.end { range } else { range.start - 0.5..range.start + 0.5 };
+        let range = with_length(range);
         let mut scale = Scale { step: round_step((range.end - range.start) / count.max(1.0)), range };
         while scale.ticks().len() < 2 {
             scale.step = round_step(0.4 * scale.step);
@@ -130,5 +150,31 @@ mod tests {
         assert_eq!(Scale::new(0.0..50.0, 10.0).ticks().len(), 11);
         assert_eq!(Scale::new(2.0..2.0, 4.0).range, 1.5..2.5);
         assert_eq!(Scale::new(-0.36..0.45, 2.5).ticks(), [-0.2, 0.0, 0.2, 0.4]);
+    }
+
+    #[test]
+    fn ranges_that_are_empty_or_not_finite_become_one_of_length_one() {
+        const INFINITY: f64 = f64::INFINITY;
+        for (range, expected) in [
+            (3.0..1.0, 2.5..3.5),
+            (0.0..5e-324, -0.5..0.5),
+            (2.0..INFINITY, 1.5..2.5),
+            (2.0..f64::NAN, 1.5..2.5),
+            (f64::NAN..2.0, -0.5..0.5),
+            (-INFINITY..INFINITY, -0.5..0.5),
+            (INFINITY..-INFINITY, -0.5..0.5),
+            (-f64::MAX..f64::MAX, -0.5..0.5),
+            (1e300..1e300, -0.5..0.5),
+        ] {
+            let scale = Scale::new(range.clone(), 4.0);
+            assert_eq!(scale.range, expected, "{range:?}");
+            assert!((2..=5).contains(&scale.ticks().len()), "{range:?}: {:?}", scale.ticks());
+        }
+        // Short, or far away, but a range.
+        for range in [0.0..1e-300, 1e15..1e15 + 1.0, -1e300..1e300] {
+            let scale = Scale::new(range.clone(), 4.0);
+            assert_eq!(scale.range, range);
+            assert!(scale.ticks().len() > 1, "{range:?}");
+        }
     }
 }

@@ -31,6 +31,8 @@ pub struct Curves {
 pub struct Line {
     name: String,
     points: Vec<(f64, f64)>,
+    /// What all points take of the horizontal axis, those that are left out, too.
+    extent: Option<[f64; 2]>,
     marks: Vec<((f64, f64), String)>,
 }
 
@@ -39,12 +41,13 @@ impl Line {
     /// kept.
     #[must_use]
     pub fn new(name: impl Into<String>, points: Vec<(f64, f64)>) -> Self {
+        let extent = axis::extent(points.iter().map(|point| point.0));
         let points = if points.len() <= POINTS {
             points
         } else {
             points.chunks(points.len().div_ceil(POINTS / 2)).flat_map(extremes).collect()
         };
-        Line { name: name.into(), points, marks: Vec::new() }
+        Line { name: name.into(), points, extent, marks: Vec::new() }
     }
 
     /// With a dot and a word at a point.
@@ -53,6 +56,14 @@ impl Line {
         self.marks.push((at, word.into()));
         self
     }
+}
+
+/// What lines take of the horizontal axis together, and this part of it more on both sides.
+pub(crate) fn range_of(lines: &[Line], margin: f64) -> Range<f64> {
+    let extents = lines.iter().filter_map(|line| line.extent).flatten();
+    let [low, high] = axis::extent(extents).unwrap_or_default();
+    let margin = margin * (high - low);
+    low - margin..high + margin
 }
 
 /// Lines named `one` with its number, from 1, or `many` with their numbers where they are alike to a millionth of the
@@ -113,11 +124,7 @@ fn cut(points: &[(f64, f64)], range: &Range<f64>) -> Vec<[f64; 2]> {
 
 /// From the lowest to the highest value with a margin; what varies by rounding alone stays a flat line.
 fn value_range<'a>(lines: impl Iterator<Item = &'a Vec<[f64; 2]>>) -> Range<f64> {
-    let values = lines.flatten().map(|point| point[1]).filter(|y| y.is_finite());
-    let (lowest, highest) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(y), b.max(y)));
-    if lowest > highest {
-        return -1.0..1.0;
-    }
+    let Some([lowest, highest]) = axis::extent(lines.flatten().map(|point| point[1])) else { return -1.0..1.0 };
     let magnitude = lowest.abs().max(highest.abs());
     let least = if magnitude > 0.0 { 1e-3 * magnitude } else { 1.0 };
     let (middle, half) = (0.5 * (lowest + highest), 0.54 * (highest - lowest).max(least));
@@ -127,6 +134,7 @@ fn value_range<'a>(lines: impl Iterator<Item = &'a Vec<[f64; 2]>>) -> Range<f64>
 /// A panel of curves, ready to be drawn into any area.
 pub(crate) struct Prepared<'a> {
     curves: &'a Curves,
+    x_range: Range<f64>,
     /// Within the range.
     lines: Vec<Vec<[f64; 2]>>,
     values: Range<f64>,
@@ -137,9 +145,10 @@ pub(crate) struct Prepared<'a> {
 
 impl<'a> Prepared<'a> {
     pub(crate) fn new(curves: &'a Curves) -> Self {
-        let lines: Vec<_> = curves.lines.iter().map(|line| cut(&line.points, &curves.x_range)).collect();
+        let x_range = axis::with_length(curves.x_range.clone());
+        let lines: Vec<_> = curves.lines.iter().map(|line| cut(&line.points, &x_range)).collect();
         let values = value_range(lines.iter());
-        Prepared { curves, lines, values, is_named_above: false, is_continued: false }
+        Prepared { curves, x_range, lines, values, is_named_above: false, is_continued: false }
     }
 
     fn legend(&self, face: &'a Typeface, width: f64) -> Legend<'a> {
@@ -180,7 +189,7 @@ impl<'a> Prepared<'a> {
         let label = [area.x - 14.0, area.y - 0.5 * ROW - 3.0];
         scene.text(Text::new(label, &curves.y_label, LABEL_SIZE, Anchor::Start));
 
-        let x = Scale::new(curves.x_range.clone(), (area.width / 65.0).clamp(2.0, 12.0));
+        let x = Scale::new(self.x_range.clone(), (area.width / 65.0).clamp(2.0, 12.0));
         let y = self.vertical(area.height);
         axis::draw(scene, area, [&x, &y], (!self.is_continued).then_some(curves.x_label.as_str()));
         let pixel = |[a, b]: [f64; 2]| [x.pixel(a, area.x, area.right()), y.pixel(b, area.bottom(), area.y)];

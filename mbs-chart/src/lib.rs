@@ -87,6 +87,18 @@ impl Panel {
         Self::Curves(Curves { x_label, y_label, x_range, lines })
     }
 
+    /// Lines over as much of the horizontal axis as they take, and this part of it more on both sides.
+    #[must_use]
+    pub fn fitted(labels: [&str; 2], margin: f64, lines: Vec<Line>) -> Self {
+        Self::curves(labels, curves::range_of(&lines, margin), lines)
+    }
+
+    /// Paths in a plane: what its axes say, to the right and up, and points with a word beside them.
+    #[must_use]
+    pub fn plane(labels: [&str; 2], lines: Vec<PlaneLine>, marks: Vec<([f64; 2], String)>) -> Self {
+        Self::Plane(Plane { labels: labels.map(String::from), lines, marks })
+    }
+
     /// Lines over a time in seconds.
     #[must_use]
     pub fn over_time(label: &str, range: Range<f64>, lines: Vec<Line>) -> Self {
@@ -310,6 +322,39 @@ mod tests {
         assert_eq!(lines.join(" "), words.join(" "));
         let face = Typeface::new().unwrap();
         assert!(lines.len() > 3 && lines.iter().all(|line| face.width(line, NOTE) <= 552.0), "{lines:?}");
+    }
+
+    /// What is not a number, or infinite, is left out, be it a point or the end of a range; the rest is drawn.
+    #[test]
+    fn what_is_not_finite_is_left_out() {
+        const INFINITY: f64 = f64::INFINITY;
+        let bad = [f64::NAN, INFINITY, -INFINITY];
+        let points = || (0..4).map(f64::from).chain(bad).zip((0..4).map(f64::from).chain(bad));
+        let pairs: Vec<(f64, f64)> = points().flat_map(|(x, y)| [(x, y), (x, 1.0), (1.0, y)]).collect();
+        let line = || vec![Line::new("", pairs.clone()).marked((f64::NAN, INFINITY), "nowhere")];
+        let marks = vec![([INFINITY, 0.0], "nowhere".to_string())];
+        let plane =
+            Panel::plane(["x", "y"], vec![PlaneLine::new("", pairs.iter().map(|&(x, y)| [x, y]).collect())], marks);
+        let space = SpaceLine {
+            name: String::new(),
+            points: pairs.iter().map(|&(x, y)| [x, y, x]).collect(),
+            marks: vec![([0.0, 0.0, f64::NAN], "nowhere".to_string())],
+        };
+        let space = Panel::Space(Space { labels: ["x", "y", "z"].map(String::from), lines: vec![space] });
+        let nothing = Panel::fitted(["x", "y"], 0.1, vec![Line::new("", vec![(INFINITY, f64::NAN)])]);
+        for (panel, has_lines) in [
+            (Panel::fitted(["x", "y"], 0.1, line()), true),
+            (Panel::curves(["x", "y"], 0.0..INFINITY, line()), true),
+            (Panel::curves(["x", "y"], f64::NAN..f64::NAN, line()), true),
+            (plane, true),
+            (space, true),
+            (nothing, false),
+        ] {
+            let svg = draw(&Figure { panels: vec![panel], ..figure() }, Format::Svg).unwrap();
+            let svg = String::from_utf8(svg).unwrap();
+            assert!(!["NaN", "inf", "nowhere"].iter().any(|word| svg.contains(word)), "{svg}");
+            assert_eq!(svg.contains(" stroke=\"#0072b2\""), has_lines, "{svg}");
+        }
     }
 
     #[test]

@@ -39,14 +39,6 @@ impl PlaneLine {
     }
 }
 
-/// From the least to the greatest; a range of no length where there is nothing.
-fn extent(values: impl Iterator<Item = f64>) -> [f64; 2] {
-    let (low, high) = values
-        .filter(|x| x.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    if low > high { [0.0, 0.0] } else { [low, high] }
-}
-
 /// Ranges of one scale in an area of `pixels`, with a margin all around.
 fn ranges(extents: [[f64; 2]; 2], pixels: [f64; 2]) -> [Range<f64>; 2] {
     let length = |axis: usize| extents[axis][1] - extents[axis][0];
@@ -83,7 +75,8 @@ impl Plane {
             let points = self.lines.iter().flat_map(|line| &line.points);
             points.chain(self.marks.iter().map(|(point, _)| point)).map(move |point| point[axis])
         };
-        let [x, y] = ranges([extent(coordinates(0)), extent(coordinates(1))], [area.width, area.height]);
+        let extents = [0, 1].map(|axis| axis::extent(coordinates(axis)).unwrap_or_default());
+        let [x, y] = ranges(extents, [area.width, area.height]);
         let (x, mut y) =
             (Scale::new(x, (area.width / 70.0).clamp(2.0, 12.0)), Scale::new(y, (area.height / 40.0).max(2.0)));
         // One step for both, where that leaves ticks enough.

@@ -126,12 +126,17 @@ pub(crate) struct Scene<'f> {
     pub(crate) shapes: Vec<Shape>,
 }
 
+/// Whether all coordinates of a place are numbers: of what is elsewhere nothing is drawn.
+fn is_finite(point: &[f64; 2]) -> bool {
+    point.iter().all(|x| x.is_finite())
+}
+
 impl Scene<'_> {
     /// A line through all points that are finite, in pieces where some are not.
     pub(crate) fn line(&mut self, points: impl IntoIterator<Item = [f64; 2]>, stroke: Stroke) {
         let mut piece: Vec<[f64; 2]> = Vec::new();
         for point in points {
-            if point.iter().all(|x| x.is_finite()) {
+            if is_finite(&point) {
                 piece.push(point);
             } else {
                 self.piece(std::mem::take(&mut piece), stroke);
@@ -147,15 +152,21 @@ impl Scene<'_> {
     }
 
     pub(crate) fn text(&mut self, text: Text) {
-        self.shapes.push(Shape::Text(text));
+        if is_finite(&text.at) {
+            self.shapes.push(Shape::Text(text));
+        }
     }
 
     pub(crate) fn dot(&mut self, centre: [f64; 2], radius: f64, fill: Color) {
-        self.shapes.push(Shape::Dot { centre, radius, fill });
+        if is_finite(&centre) {
+            self.shapes.push(Shape::Dot { centre, radius, fill });
+        }
     }
 
     pub(crate) fn area(&mut self, points: Vec<[f64; 2]>, fill: Color) {
-        self.shapes.push(Shape::Area { points, fill });
+        if points.iter().all(is_finite) {
+            self.shapes.push(Shape::Area { points, fill });
+        }
     }
 }
 

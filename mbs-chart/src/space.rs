@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::axis::{LABEL_SIZE, Scale, TICK_SIZE, round_step};
+use crate::axis::{LABEL_SIZE, Scale, TICK_SIZE, extent, round_step};
 use crate::camera::Camera;
 use crate::font::Typeface;
 use crate::legend::Legend;
@@ -35,11 +35,8 @@ const TICKS: f64 = 5.0;
 const SHADOW: Color = Color(178, 178, 178);
 
 /// Around the values, at least a quarter as long as `longest`, from tick to tick.
-fn scale(values: impl Iterator<Item = f64> + Clone, longest: f64) -> Scale {
-    let (low, high) = values
-        .filter(|x| x.is_finite())
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
-    let (low, high) = if low > high { (-0.5, 0.5) } else { (low, high) };
+fn scale(values: impl Iterator<Item = f64>, longest: f64) -> Scale {
+    let [low, high] = extent(values).unwrap_or([-0.5, 0.5]);
     let room = (0.25 * longest - (high - low)).max(0.0) / 2.0;
     let (low, high) = (low - room, high + room);
     let step = round_step(longest.max(high - low).max(1e-9) / TICKS);
@@ -94,10 +91,7 @@ impl Space {
         let legend = self.legend(face, area.width);
         legend.draw(scene, area.right(), area.y - legend.height());
         let component = |i: usize| self.lines.iter().flat_map(|line| &line.points).map(move |point| point[i]);
-        let span = |i: usize| {
-            let (low, high) = component(i).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-            if low > high { 1.0 } else { high - low }
-        };
+        let span = |i: usize| extent(component(i)).map_or(1.0, |[low, high]| high - low);
         let longest = span(0).max(span(1)).max(span(2));
         let axes = [0, 1, 2].map(|i| scale(component(i), longest));
         let view = View::new(&axes, area, [70.0, 14.0, 52.0]);
