@@ -45,6 +45,82 @@ macro_rules! settings {
     )+};
 }
 
+/// A method with equal steps: how it is made, its settings, and that its steps work in what is made of the first state.
+macro_rules! equal_steps {
+    ($method:ident: |$first:ident| $work:expr) => {
+        impl $method {
+            /// Steps of `step` seconds, or a little less; any number of them.
+            #[must_use]
+            pub const fn new(step: f64) -> Self {
+                Self { step, max_steps: usize::MAX }
+            }
+        }
+
+        settings! {
+            $method:
+            "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+        }
+
+        impl<T: $crate::Scalar> super::Integrator<T> for $method {
+            /// # Errors
+            /// [`IntegrationError::InvalidStep`](crate::IntegrationError::InvalidStep) if `step` is not positive;
+            /// [`IntegrationError::TooManySteps`](crate::IntegrationError::TooManySteps) at once if `max_steps` are too
+            /// few; otherwise [`IntegrationError`](crate::IntegrationError) where the first bad number appears.
+            fn run<V, F>(
+                &self,
+                acceleration: F,
+                t: f64,
+                t_end: f64,
+                state: &mut State<V>,
+                observer: impl super::Observer<V, F::Error>,
+            ) -> Result<super::Summary, $crate::IntegrationError<F::Error>>
+            where
+                V: Coordinates<Scalar = T>,
+                F: super::Acceleration<V>,
+            {
+                let $first = &*state;
+                let steps = (self.step, self.max_steps);
+                super::fixed::integrate(steps, $work, acceleration, t, t_end, state, observer)
+            }
+        }
+    };
+}
+
+/// A method with steps by error control: its settings, and that its steps work in what is made of the first state.
+macro_rules! controlled_steps {
+    ($method:ident: |$first:ident, $control:ident| $work:expr) => {
+        settings! {
+            $method:
+            "The length of the first step, positive \\[s\\]." with_first_step first_step f64 = Some(first_step);
+            "The shortest step that may be tried \\[s\\]." with_min_step min_step f64 = min_step;
+            "The longest step, positive \\[s\\]." with_max_step max_step f64 = max_step;
+            "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
+            "`β` of the step control." with_beta beta f64 = beta;
+        }
+
+        impl<T: Real> super::Integrator<T> for $method {
+            /// # Errors
+            /// [`IntegrationError`](crate::IntegrationError): a tolerance, the gain or a limit of the step is bad; the
+            /// tolerances cannot be met; there is no finite acceleration from some time on; the steps are used up.
+            fn run<V, F>(
+                &self,
+                acceleration: F,
+                t: f64,
+                t_end: f64,
+                state: &mut State<V>,
+                observer: impl super::Observer<V, F::Error>,
+            ) -> Result<super::Summary, $crate::IntegrationError<F::Error>>
+            where
+                V: Coordinates<Scalar = T>,
+                F: super::Acceleration<V>,
+            {
+                let ($first, $control) = (&*state, &self.control());
+                super::adaptive::integrate($control, $work, acceleration, t, t_end, state, observer)
+            }
+        }
+    };
+}
+
 mod adaptive;
 mod compensation;
 pub(crate) mod dop853;

@@ -248,8 +248,8 @@ impl Pace {
     }
 }
 
-/// What the steps of an explicit Runge–Kutta method with `S` stages work in.
-pub(super) struct Stages<V: Coordinates, const S: usize> {
+/// What the steps of an explicit Runge–Kutta method with `S` stages and `K` estimates of their error work in.
+pub(super) struct Stages<V: Coordinates, const S: usize, const K: usize> {
     /// `q̇` of the stages: the slopes of `q`.
     pub(super) v: [V; S],
     /// `q̈` of the stages: the slopes of `q̇`.
@@ -257,12 +257,12 @@ pub(super) struct Stages<V: Coordinates, const S: usize> {
     /// The coordinates of the current stage; after the last stage `1/scale` of each number.
     q: V,
     /// Scratch of `squares`: `Σ weight · slope / scale` of each number, for each row of weights.
-    errors: [V; 2],
+    errors: [V; K],
     rtol: V::Scalar,
     atol: V::Scalar,
 }
 
-impl<V: Coordinates, const S: usize> Stages<V, S> {
+impl<V: Coordinates, const S: usize, const K: usize> Stages<V, S, K> {
     pub(super) fn new(like: &State<V>, control: &Control) -> Self {
         Self {
             v: core::array::from_fn(|_| like.q.clone()),
@@ -329,7 +329,7 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
 
     /// For each row of weights the sum over `q` and `q̇` of `(Σ weight · slope / scale)²`.
     #[inline(always)] // as in `combine`
-    pub(super) fn squares<const N: usize, const K: usize>(
+    pub(super) fn squares<const N: usize>(
         &mut self,
         rows: [&[Weight; N]; K],
         old: &State<V>,
@@ -399,7 +399,7 @@ impl<V: Coordinates, const S: usize> Stages<V, S> {
     }
 }
 
-impl<V: Coordinates<Scalar: Real>, const S: usize> Stages<V, S> {
+impl<V: Coordinates<Scalar: Real>, const S: usize, const K: usize> Stages<V, S, K> {
     /// Hairer's choice of the first step of a method of the order `order` (section II.4), positive \[s\].
     ///
     /// One explicit Euler step, a hundredth of `|y|/|y'|` long, estimates the second derivative; then the step is such

@@ -9,10 +9,9 @@
 //! is taken in the same norm over `q` and `q̇` together; the mass of details for Fortran's `IOUT`, stiffness and `NRD`
 //! is left out.
 
-use super::adaptive::{self, Control, Pair, Stages, weighted};
+use super::Acceleration;
+use super::adaptive::{Control, Pair, Stages, weighted};
 use super::run::{Fault, Method, Span, System};
-use super::{Acceleration, Integrator, Observer, Summary};
-use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
 
@@ -80,40 +79,14 @@ impl Dop853 {
     }
 }
 
-settings! {
-    Dop853:
-    "The length of the first step, positive \\[s\\]." with_first_step first_step f64 = Some(first_step);
-    "The shortest step that may be tried \\[s\\]." with_min_step min_step f64 = min_step;
-    "The longest step, positive \\[s\\]." with_max_step max_step f64 = max_step;
-    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
-    "`β` of the step control." with_beta beta f64 = beta;
-}
-
-impl<T: Real> Integrator<T> for Dop853 {
-    /// # Errors
-    /// [`IntegrationError`]: a tolerance or a limit of the step is bad; the tolerances cannot be met; there is no
-    /// finite acceleration from some time on; the steps are used up.
-    fn run<V, F>(
-        &self,
-        acceleration: F,
-        t: f64,
-        t_end: f64,
-        state: &mut State<V>,
-        observer: impl Observer<V, F::Error>,
-    ) -> Result<Summary, IntegrationError<F::Error>>
-    where
-        V: Coordinates<Scalar = T>,
-        F: Acceleration<V>,
-    {
-        let control = self.control();
-        let work = Work { sweep: Sweep::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
-        adaptive::integrate(&control, work, acceleration, t, t_end, state, observer)
-    }
+controlled_steps! {
+    Dop853: |first, control|
+    Work { sweep: Sweep::new(first, control), parts: core::array::from_fn(|_| first.clone()) }
 }
 
 /// What a step works in.
 pub(super) struct Sweep<V: Coordinates> {
-    pub(super) stages: Stages<V, STAGES>,
+    pub(super) stages: Stages<V, STAGES, 2>,
 }
 
 impl<V: Coordinates> Sweep<V> {
@@ -276,7 +249,7 @@ impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use crate::Step;
+    use crate::{IntegrationError, Integrator, Step};
     use core::ops::ControlFlow;
 
     const TAU: f64 = core::f64::consts::TAU;

@@ -17,10 +17,9 @@
 //! and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, table II.5.2, and, for the dense output of
 //! order 4 by Shampine, section II.6 and their code DOPRI5.
 
-use super::adaptive::{self, Control, Pair, Stages, Weight, weighted};
+use super::Acceleration;
+use super::adaptive::{Control, Pair, Stages, Weight, weighted};
 use super::run::{Fault, Method, Span, System};
-use super::{Acceleration, Integrator, Observer, Summary};
-use crate::error::IntegrationError;
 use crate::scalar::{Real, Scalar};
 use crate::state::{Coordinates, State};
 
@@ -121,40 +120,14 @@ impl Dopri5 {
     }
 }
 
-settings! {
-    Dopri5:
-    "The length of the first step, positive \\[s\\]." with_first_step first_step f64 = Some(first_step);
-    "The shortest step that may be tried \\[s\\]." with_min_step min_step f64 = min_step;
-    "The longest step, positive \\[s\\]." with_max_step max_step f64 = max_step;
-    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
-    "`β` of the step control." with_beta beta f64 = beta;
-}
-
-impl<T: Real> Integrator<T> for Dopri5 {
-    /// # Errors
-    /// [`IntegrationError`]: a tolerance, the gain or a limit of the step is bad; the tolerances cannot be met; there
-    /// is no finite acceleration from some time on; the steps are used up.
-    fn run<V, F>(
-        &self,
-        acceleration: F,
-        t: f64,
-        t_end: f64,
-        state: &mut State<V>,
-        observer: impl Observer<V, F::Error>,
-    ) -> Result<Summary, IntegrationError<F::Error>>
-    where
-        V: Coordinates<Scalar = T>,
-        F: Acceleration<V>,
-    {
-        let control = self.control();
-        let work = Work { stages: Stages::new(state, &control), parts: core::array::from_fn(|_| state.clone()) };
-        adaptive::integrate(&control, work, acceleration, t, t_end, state, observer)
-    }
+controlled_steps! {
+    Dopri5: |first, control|
+    Work { stages: Stages::new(first, control), parts: core::array::from_fn(|_| first.clone()) }
 }
 
 /// What the steps of one integration work in.
 struct Work<V: Coordinates> {
-    stages: Stages<V, STAGES>,
+    stages: Stages<V, STAGES, 1>,
     /// The parts of the dense output, `r₁` to `r₄`.
     parts: [State<V>; 4],
 }
@@ -258,7 +231,7 @@ impl<V: Coordinates<Scalar: Real>> Pair<V> for Work<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use crate::Step;
+    use crate::{IntegrationError, Integrator, Step};
     use core::ops::ControlFlow;
 
     const TAU: f64 = core::f64::consts::TAU;

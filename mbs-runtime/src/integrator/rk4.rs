@@ -14,8 +14,7 @@
 //! a step: cubic Hermite polynomials.
 
 use super::run::{Fault, Method, Span, System};
-use super::{Acceleration, Integrator, Observer, Outcome, Summary, fixed, hermite};
-use crate::error::IntegrationError;
+use super::{Acceleration, Outcome, hermite};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
@@ -32,39 +31,7 @@ pub struct Rk4 {
     pub max_steps: usize,
 }
 
-impl Rk4 {
-    /// Steps of `step` seconds, or a little less; any number of them.
-    #[must_use]
-    pub const fn new(step: f64) -> Self {
-        Self { step, max_steps: usize::MAX }
-    }
-}
-
-settings! {
-    Rk4:
-    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
-}
-
-impl<T: Scalar> Integrator<T> for Rk4 {
-    /// # Errors
-    /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::TooManySteps`] at once if
-    /// `max_steps` are too few; otherwise [`IntegrationError`] where the first bad number appears.
-    fn run<V, F>(
-        &self,
-        acceleration: F,
-        t: f64,
-        t_end: f64,
-        state: &mut State<V>,
-        observer: impl Observer<V, F::Error>,
-    ) -> Result<Summary, IntegrationError<F::Error>>
-    where
-        V: Coordinates<Scalar = T>,
-        F: Acceleration<V>,
-    {
-        let method = Rk4Stepper::new(state);
-        fixed::integrate((self.step, self.max_steps), method, acceleration, t, t_end, state, observer)
-    }
-}
+equal_steps! { Rk4: |first| Rk4Stepper::new(first) }
 
 /// What single steps of [`Rk4`] work in; made once, nothing is allocated in a step.
 ///
@@ -244,7 +211,7 @@ impl<V: Coordinates> Method<V> for Rk4Stepper<V> {
 #[cfg(all(test, any(feature = "std", feature = "libm")))]
 mod tests {
     use super::*;
-    use crate::Step;
+    use crate::{IntegrationError, Integrator, Step};
     use core::ops::ControlFlow;
 
     fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {

@@ -90,12 +90,10 @@ pub(super) trait Method<V: Coordinates> {
         new: &mut State<V>,
     ) -> Result<Self::Error, Fault<F::Error>>;
 
-    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs.
-    fn prepare<F: Acceleration<V>>(
-        &mut self,
-        system: &mut System<F>,
-        span: &Span<'_, V>,
-    ) -> Result<(), Fault<F::Error>>;
+    /// Evaluates and stores what [`interpolate`](Self::interpolate) needs, if the step has not done so.
+    fn prepare<F: Acceleration<V>>(&mut self, _: &mut System<F>, _: &Span<'_, V>) -> Result<(), Fault<F::Error>> {
+        Ok(())
+    }
 
     /// The solution at the fraction `theta` of the step.
     fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>);

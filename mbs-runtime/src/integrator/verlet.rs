@@ -12,8 +12,7 @@
 
 use super::compensation::Compensation;
 use super::run::{Fault, Method, Span, System};
-use super::{Acceleration, Integrator, Observer, Summary, fixed, hermite};
-use crate::error::IntegrationError;
+use super::{Acceleration, hermite};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
@@ -51,38 +50,12 @@ pub struct StormerVerlet {
     pub max_steps: usize,
 }
 
-impl StormerVerlet {
-    /// Steps of `step` seconds, or a little less; any number of them.
-    #[must_use]
-    pub const fn new(step: f64) -> Self {
-        Self { step, max_steps: usize::MAX }
-    }
-}
-
-settings! {
-    StormerVerlet:
-    "The number of steps allowed in one integration." with_max_steps max_steps usize = max_steps;
-}
-
-impl<T: Scalar> Integrator<T> for StormerVerlet {
-    /// # Errors
-    /// [`IntegrationError::InvalidStep`] if `step` is not positive; [`IntegrationError::TooManySteps`] at once if
-    /// `max_steps` are too few; otherwise [`IntegrationError`] where the first bad number appears.
-    fn run<V, F>(
-        &self,
-        acceleration: F,
-        t: f64,
-        t_end: f64,
-        state: &mut State<V>,
-        observer: impl Observer<V, F::Error>,
-    ) -> Result<Summary, IntegrationError<F::Error>>
-    where
-        V: Coordinates<Scalar = T>,
-        F: Acceleration<V>,
-    {
-        let a = core::array::from_fn(|_| state.q.clone());
-        let work = Work { a, half: state.qd.clone(), rounding: Compensation::new(state) };
-        fixed::integrate((self.step, self.max_steps), work, acceleration, t, t_end, state, observer)
+equal_steps! {
+    StormerVerlet: |first|
+    Work {
+        a: core::array::from_fn(|_| first.q.clone()),
+        half: first.qd.clone(),
+        rounding: Compensation::new(first),
     }
 }
 
@@ -143,10 +116,6 @@ impl<V: Coordinates> Method<V> for Work<V> {
             new.qd.as_mut_slice()[i] = self.rounding.add_to_velocity(i, qd[i], kicks);
         }
         if new.is_finite() { Ok(()) } else { Err(Fault::NonFinite) }
-    }
-
-    fn prepare<F: Acceleration<V>>(&mut self, _: &mut System<F>, _: &Span<'_, V>) -> Result<(), Fault<F::Error>> {
-        Ok(())
     }
 
     fn interpolate(&self, span: &Span<'_, V>, theta: V::Scalar, state: &mut State<V>) {
