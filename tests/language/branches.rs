@@ -244,18 +244,21 @@ fn blocks_see_what_they_need() {
 
 // ---- lanes and single precision
 
+/// States side by side: `lanes` makes a number of those that a function gives for each.
+fn beside<L>(states: &[Arguments<f64>], lanes: impl Fn(&dyn Fn(usize) -> f64) -> L) -> Arguments<L> {
+    let all = |of: fn(&Arguments<f64>, usize) -> f64, i: usize| lanes(&|k| of(&states[k], i));
+    let q = std::array::from_fn(|i| all(|a, i| a.0[i], i));
+    let qd = std::array::from_fn(|i| all(|a, i| a.1[i], i));
+    let qdd = std::array::from_fn(|i| all(|a, i| a.2[i], i));
+    (q, qd, qdd, [all(|a, i| a.3[i], 0)])
+}
+
 #[test]
 fn lanes_go_both_ways_and_select() {
     let states = states();
     // Neighbours in the list are on different sides of most branches.
     for four in states.chunks_exact(4).chain(states.chunks_exact(4).rev().step_by(3)) {
-        let lanes = |of: fn(&Arguments<f64>, usize) -> f64, i: usize| {
-            f64x4::from(std::array::from_fn::<f64, 4, _>(|k| of(&four[k], i)))
-        };
-        let q = std::array::from_fn(|i| lanes(|a, i| a.0[i], i));
-        let qd = std::array::from_fn(|i| lanes(|a, i| a.1[i], i));
-        let qdd = std::array::from_fn(|i| lanes(|a, i| a.2[i], i));
-        let together = (q, qd, qdd, [lanes(|a, i| a.3[i], 0)]);
+        let together = beside(four, |of| f64x4::from(std::array::from_fn::<f64, 4, _>(of)));
         for function in FUNCTIONS {
             let values = compiled(function, &together);
             for (k, alone) in four.iter().enumerate() {
@@ -271,13 +274,7 @@ fn lanes_go_both_ways_and_select() {
 fn single_precision_takes_the_same_sides() {
     let states = states();
     for eight in states.chunks_exact(8) {
-        let lanes = |of: fn(&Arguments<f64>, usize) -> f64, i: usize| {
-            f32x8::from(std::array::from_fn::<f32, 8, _>(|k| of(&eight[k], i) as f32))
-        };
-        let q = std::array::from_fn(|i| lanes(|a, i| a.0[i], i));
-        let qd = std::array::from_fn(|i| lanes(|a, i| a.1[i], i));
-        let qdd = std::array::from_fn(|i| lanes(|a, i| a.2[i], i));
-        let together = (q, qd, qdd, [lanes(|a, i| a.3[i], 0)]);
+        let together = beside(eight, |of| f32x8::from(std::array::from_fn::<f32, 8, _>(|k| of(k) as f32)));
         for function in FUNCTIONS {
             let values = compiled(function, &together);
             for (k, alone) in eight.iter().enumerate() {

@@ -4,7 +4,7 @@
 //!
 //! The files were written from `docs/language.md` alone.
 
-use mbs_runtime::Mechanism;
+use mbs_runtime::{Constrained, Mechanism};
 use mbs_tests::compare::{assert_close, error};
 use mbs_tests::mechanisms as written;
 use mbs_tests::random::{Random, State, positive, states};
@@ -56,6 +56,23 @@ fn found<const N: usize, const U: usize>(
         accelerations: mechanism.forward_dynamics(t, q, qd, u),
         constraints: Constraints::default(),
     }
+}
+
+/// What a mechanism with constraints says at a state, as its traits have it.
+fn constrained<const N: usize, const U: usize, const K: usize, M>(
+    mechanism: &M,
+    (q, qd): (&[f64; N], &[f64; N]),
+    u: &[f64; U],
+) -> Found<N>
+where
+    M: Mechanism<N, U, Scalar = f64, Time = f64> + Constrained<N, U, K>,
+{
+    let constraints = Constraints {
+        jacobian: mechanism.constraint_jacobian(0.0, q).to_vec(),
+        bias: mechanism.constraint_bias(0.0, q, qd).to_vec(),
+        multipliers: mechanism.multipliers(0.0, q, qd, u).to_vec(),
+    };
+    Found { constraints, ..found(mechanism, 0.0, (q, qd), u) }
 }
 
 /// Compares at states of every posture; accelerations and multipliers where they are well determined, which must be at
@@ -259,14 +276,7 @@ fn chaplygin_sleigh() {
         let u = inputs(seed);
         let generated = ChaplyginSleigh::new(Params { m, moment, a });
         let reference = chaplygin_sleigh::ChaplyginSleigh { m, moment, a, inputs: u };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd, &u).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &u)
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &u));
     }
 }
 
@@ -276,14 +286,7 @@ fn rolling_coin() {
     for (seed, [m, radius, axial, transverse, g]) in sets::<5>() {
         let generated = RollingCoin::new(Params { m, radius, axial, transverse, g });
         let reference = rolling_coin::RollingCoin { m, radius, axial, transverse, g };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &[])
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &[]));
     }
 }
 
@@ -311,14 +314,7 @@ fn four_bar() {
         let [tau] = inputs(seed);
         let generated = FourBar::new(Params { m, l, ground, g });
         let reference = four_bar::FourBar { m, l, ground, g, tau };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd, &[tau]).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &[tau])
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &[tau]));
     }
 }
 
@@ -341,14 +337,7 @@ fn cartesian_pendulum() {
     for (seed, [m, l, g]) in sets::<3>() {
         let generated = CartesianPendulum::new(Params { m, l, g });
         let reference = cartesian_pendulum::CartesianPendulum { m, l, g };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &[])
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &[]));
     }
 }
 
@@ -358,14 +347,7 @@ fn knife_edge() {
     for (seed, [m, moment, slope, g]) in sets::<4>() {
         let generated = KnifeEdge::new(Params { m, moment, slope, g });
         let reference = knife_edge::KnifeEdge { m, moment, slope, g };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &[])
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &[]));
     }
 }
 
@@ -377,14 +359,7 @@ fn slider_crank() {
         let u = inputs(seed);
         let generated = SliderCrank::new(Params { m, l, offset, g, c });
         let reference = slider_crank::SliderCrank { m, l, offset, g, c, inputs: u };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd, &u).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &u)
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &u));
     }
 }
 
@@ -407,13 +382,6 @@ fn bouncing_pendulum() {
     for (seed, [m, l, moment, g]) in sets::<4>() {
         let generated = BouncingPendulum::new(Params { m, l, moment, g });
         let reference = bouncing_pendulum::BouncingPendulum { m, l, moment, g };
-        check(seed, &reference, |q, qd| Found {
-            constraints: Constraints {
-                jacobian: generated.constraint_jacobian(q).to_vec(),
-                bias: generated.constraint_bias(q, qd).to_vec(),
-                multipliers: generated.multipliers(q, qd).to_vec(),
-            },
-            ..found(&generated, 0.0, (q, qd), &[])
-        });
+        check(seed, &reference, |q, qd| constrained(&generated, (q, qd), &[]));
     }
 }

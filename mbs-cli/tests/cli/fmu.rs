@@ -124,22 +124,18 @@ fn an_fmu_has_what_the_standards_ask_for() {
         let token = values(&text, token)[0];
         assert_eq!(token.len(), 38);
         // Another start is another FMU.
-        workshop.good(&[
-            "fmu",
-            "pendulum.mbs",
-            "--fmi",
-            version,
-            "--sources-only",
-            "--state",
-            "{\"theta\": 1}",
-            "--out",
-            "a.fmu",
-        ]);
+        pack_released(&workshop, version, "a.fmu");
         assert_ne!(
             values(&description(&workshop, "a.fmu"), if version == "2" { "guid" } else { "instantiationToken" })[0],
             token
         );
     }
+}
+
+/// Packs the sources of the pendulum, which is let go at 1 rad.
+fn pack_released(workshop: &Workshop, version: &str, out: &str) {
+    let options = ["--fmi", version, "--sources-only", "--state", "{\"theta\": 1}", "--out", out];
+    workshop.good(&[&["fmu", "pendulum.mbs"][..], &options].concat());
 }
 
 #[test]
@@ -165,17 +161,7 @@ fn masters_in_c_find_a_pendulum_and_are_refused_what_is_wrong() {
     let workshop = Workshop::new();
     for version in ["2", "3"] {
         let out = format!("{version}.fmu");
-        workshop.good(&[
-            "fmu",
-            "pendulum.mbs",
-            "--fmi",
-            version,
-            "--sources-only",
-            "--state",
-            "{\"theta\": 1}",
-            "--out",
-            &out,
-        ]);
+        pack_released(&workshop, version, &out);
         let Some(folder) = sources(&workshop, &out) else { return };
         compiled(&folder, &format!("master{version}.c"));
         assert_eq!(run(&folder, &[]), Outcome { code: 0, stdout: "good\n".to_string(), stderr: String::new() });

@@ -72,10 +72,8 @@ impl Dynamics<6> for CartWithFiveLinks {
 mod tests {
     use super::*;
     use crate::reference::dynamics::tests::agrees_with_lagrange;
-    use crate::reference::lagrange::{Number, Particles};
+    use crate::reference::lagrange::{Number, Particles, rod};
 
-    /// A uniform rod is a sixth of its mass at each end and the rest in the middle: mass, centre and inertia are the
-    /// same (Simpson's rule is exact for a parabola).
     impl Particles<6> for CartWithFiveLinks {
         fn g(&self) -> f64 {
             self.g
@@ -85,11 +83,10 @@ mod tests {
             let mut joint = [q[0], zero, zero];
             let mut particles = vec![(self.m_cart, joint)];
             for i in 0..5 {
-                let along = [q[i + 1].sin() * self.l[i], zero, q[i + 1].cos() * -self.l[i]];
-                let at = |part: f64| std::array::from_fn(|k| joint[k] + along[k] * part);
-                let m = self.m[i];
-                particles.extend([(m / 6.0, at(0.0)), (m * 2.0 / 3.0, at(0.5)), (m / 6.0, at(1.0))]);
-                joint = at(1.0);
+                let [x, _, z] = joint;
+                let next = [x + q[i + 1].sin() * self.l[i], zero, z - q[i + 1].cos() * self.l[i]];
+                particles.extend(rod(self.m[i], joint, next));
+                joint = next;
             }
             particles
         }

@@ -86,11 +86,11 @@ mod tests {
     use super::*;
     use crate::compare::assert_close;
     use crate::reference::dynamics::motion;
-    use crate::reference::lagrange::{self, Number, Particles};
+    use crate::reference::lagrange::{self, Number, Particles, rod};
 
     const LINKAGE: FourBar = FourBar { m: [0.3, 0.8, 0.5], l: [0.2, 0.65, 0.5], ground: 0.55, g: 9.81, tau: 0.4 };
 
-    /// The crank's angle alone: each rod is three particles (Simpson's rule) between knee, hinge and fixed points.
+    /// The crank's angle alone: rods between knee, hinge and fixed points.
     impl Particles<1> for FourBar {
         fn g(&self) -> f64 {
             self.g
@@ -98,21 +98,17 @@ mod tests {
         fn particles<S: Number>(&self, &[crank]: &[S; 1]) -> Vec<(f64, [S; 3])> {
             let [l1, l2, l3] = self.l;
             let zero = S::constant(0.0);
-            let (origin, base) = ([zero, zero], [S::constant(self.ground), zero]);
-            let knee = [crank.cos() * l1, crank.sin() * l1];
+            let (origin, base) = ([zero; 3], [S::constant(self.ground), zero, zero]);
+            let knee = [crank.cos() * l1, zero, crank.sin() * l1];
             // The circles about knee and base meet `along` the line between them and `aside` of it.
-            let line = [base[0] - knee[0], base[1] - knee[1]];
+            let line = [base[0] - knee[0], base[2] - knee[2]];
             let distance = (line[0] * line[0] + line[1] * line[1]).sqrt();
             let along = (distance * distance + S::constant(l2 * l2 - l3 * l3)) / (distance * 2.0);
             let aside = (S::constant(l2 * l2) - along * along).sqrt();
             let (along, aside) = (along / distance, aside / distance);
-            let hinge = [knee[0] + line[0] * along - line[1] * aside, knee[1] + line[1] * along + line[0] * aside];
-            let mut particles = Vec::new();
-            for (m, a, b) in [(self.m[0], origin, knee), (self.m[1], knee, hinge), (self.m[2], base, hinge)] {
-                let at = |part: f64| [a[0] * (1.0 - part) + b[0] * part, zero, a[1] * (1.0 - part) + b[1] * part];
-                particles.extend([(m / 6.0, at(0.0)), (m * 2.0 / 3.0, at(0.5)), (m / 6.0, at(1.0))]);
-            }
-            particles
+            let hinge =
+                [knee[0] + line[0] * along - line[1] * aside, zero, knee[2] + line[1] * along + line[0] * aside];
+            [rod(self.m[0], origin, knee), rod(self.m[1], knee, hinge), rod(self.m[2], base, hinge)].concat()
         }
     }
 

@@ -154,6 +154,13 @@ impl<const N: usize, P: Particles<N>> Energies<N> for P {
     }
 }
 
+/// A uniform rod from one place to another: a sixth of its mass at each end and the rest in the middle have its mass,
+/// its centre and its inertia (Simpson's rule is exact for a parabola).
+pub fn rod<S: Number>(m: f64, a: [S; 3], b: [S; 3]) -> [(f64, [S; 3]); 3] {
+    let at = |part: f64| from_fn(|k| a[k] * (1.0 - part) + b[k] * part);
+    [(m / 6.0, at(0.0)), (m * 2.0 / 3.0, at(0.5)), (m / 6.0, at(1.0))]
+}
+
 /// `Eᵢ = d/dt ∂L/∂q̇ᵢ − ∂L/∂qᵢ`.
 pub fn euler_lagrange<const N: usize>(
     system: &impl Energies<N>,

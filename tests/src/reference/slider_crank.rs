@@ -77,12 +77,12 @@ mod tests {
     use super::*;
     use crate::compare::assert_close;
     use crate::reference::dynamics::motion;
-    use crate::reference::lagrange::{self, Number, Particles};
+    use crate::reference::lagrange::{self, Number, Particles, rod};
 
     const ENGINE: SliderCrank =
         SliderCrank { m: [0.9, 0.6, 0.5], l: [0.3, 1.1], offset: 0.1, g: 9.81, c: 0.8, inputs: [2.0, 7.0] };
 
-    /// The crank's angle alone: crank and rod are three particles each (Simpson's rule); z is up.
+    /// The crank's angle alone; z is up.
     impl Particles<1> for SliderCrank {
         fn g(&self) -> f64 {
             self.g
@@ -90,16 +90,12 @@ mod tests {
         fn particles<S: Number>(&self, &[crank]: &[S; 1]) -> Vec<(f64, [S; 3])> {
             let [r, l] = self.l;
             let zero = S::constant(0.0);
-            let (origin, pin) = ([zero, zero], [crank.cos() * r, crank.sin() * r]);
+            let (origin, pin) = ([zero; 3], [crank.cos() * r, zero, crank.sin() * r]);
             let height = S::constant(self.offset);
-            let rise = height - pin[1];
-            let piston = [pin[0] + (S::constant(l * l) - rise * rise).sqrt(), height];
-            let mut particles = vec![(self.m[2], [piston[0], zero, piston[1]])];
-            for (m, a, b) in [(self.m[0], origin, pin), (self.m[1], pin, piston)] {
-                let at = |part: f64| [a[0] * (1.0 - part) + b[0] * part, zero, a[1] * (1.0 - part) + b[1] * part];
-                particles.extend([(m / 6.0, at(0.0)), (m * 2.0 / 3.0, at(0.5)), (m / 6.0, at(1.0))]);
-            }
-            particles
+            let rise = height - pin[2];
+            let piston = [pin[0] + (S::constant(l * l) - rise * rise).sqrt(), zero, height];
+            let rods = [rod(self.m[0], origin, pin), rod(self.m[1], pin, piston)];
+            rods.into_iter().flatten().chain([(self.m[2], piston)]).collect()
         }
     }
 
