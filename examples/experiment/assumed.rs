@@ -22,7 +22,7 @@ const NOT_CHECKED: [&str; 1] = ["collisions with anything but arm, vehicle and p
 
 /// The keys of all that the experiment rests on.
 pub(crate) fn keys() -> Vec<&'static str> {
-    [assumed::LANDING, assumed::PLATFORM, &ASSUMED].concat()
+    [assumed::LANDING, &assumed::PLATFORM.concat(), &ASSUMED].concat()
 }
 
 pub(crate) fn to_json() -> Value {

@@ -12,7 +12,7 @@ use mbs_platform::sensitivity::{Largest, OUTPUTS, Output, Parameter};
 use mbs_platform::{Motion, Platform};
 use serde_json::{Value, json};
 
-use crate::cases::{ASSUMED, times};
+use crate::cases::{assumed_keys, times};
 
 /// Between samples of the tables \[s\].
 const STEP: f64 = 0.05;
@@ -204,7 +204,7 @@ pub(crate) fn write_pair(folder: &Path, courses: &[Course], Pair { output, param
     let (periodic, combined) = courses.split_at(courses.len() - 1);
     let title = format!("Sensitivity of {output} to {parameter}, payload {PAYLOAD_OF_TABLE_4} kg");
     let figure = Figure { title, size: (900, 760), panels: vec![panel(periodic), panel(combined)] };
-    output::write_figure(folder, &name, &figure, &ASSUMED)?;
+    output::write_figure(folder, &name, &figure, &assumed_keys())?;
     let row = |course: &Course, &(t, value): &(f64, f64)| vec![course.number as f64, t, value];
     let rows = courses.iter().flat_map(|course| course.points.iter().map(|point| row(course, point)));
     output::write_records(folder, &name, ["case".to_string(), "t [s]".to_string(), label.clone()], rows)

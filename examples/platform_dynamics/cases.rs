@@ -4,9 +4,9 @@ use std::path::Path;
 
 use mbs_chart::curves::numbered;
 use mbs_chart::{Figure, Panel};
-use mbs_examples::Failure;
 use mbs_examples::output::{write_figure, write_records};
 use mbs_examples::platform_dynamics::tables::{PAYLOAD_OF_TABLE_4, PAYLOADS};
+use mbs_examples::{Failure, assumed};
 use mbs_platform::limits::{Excess, Extreme, LegState, Quantity, Survey, extremes};
 use mbs_platform::{LegVector, Motion, Platform};
 use serde_json::{Value, json};
@@ -18,23 +18,22 @@ const PERIOD: f64 = 4.0;
 /// Long enough for the combined motion to come near all its extremes \[s\].
 const LONG: f64 = 20.0;
 
-/// What the histories of the eight cases rest on.
-pub(crate) const ASSUMED: [&str; 14] = [
+/// What the histories of the eight cases rest on, beside what every leg does.
+const ASSUMED: [&str; 8] = [
     "gravity",
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
     "platform.attitude",
-    "platform.plate",
     "platform.payload",
-    "platform.cylinders",
-    "platform.pistons",
     "platform.frequency",
     "platform.height",
     "platform.cases",
     "platform.combined",
     "platform.combined_frequencies",
 ];
+
+/// What the histories of the eight cases rest on.
+pub(crate) fn assumed_keys() -> Vec<&'static str> {
+    [&assumed::PLATFORM.concat()[..], &ASSUMED].concat()
+}
 
 /// How long a case is looked at \[s\].
 fn duration(motion: &Motion) -> f64 {
@@ -173,7 +172,7 @@ pub(crate) fn to_json(cases: &[Case]) -> Value {
 pub(crate) fn write(folder: &Path, cases: &[Case]) -> Result<(), Failure> {
     for of_motion in cases.chunks(PAYLOADS.len()) {
         for case in of_motion.iter().filter(|case| case.payload == PAYLOAD_OF_TABLE_4) {
-            write_figure(folder, &case.file(), &figure(case), &ASSUMED)?;
+            write_figure(folder, &case.file(), &figure(case), &assumed_keys())?;
         }
         write_values(folder, of_motion)?;
     }

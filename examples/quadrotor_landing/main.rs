@@ -42,7 +42,7 @@ const ASSUMED: [&str; 9] = [
 
 /// What every number rests on.
 fn assumed_keys() -> Vec<&'static str> {
-    [assumed::PLATFORM, &gusts::ASSUMED, &ASSUMED].concat()
+    [&assumed::PLATFORM.concat()[..], &gusts::ASSUMED, &ASSUMED].concat()
 }
 
 fn main() -> Result<(), Failure> {

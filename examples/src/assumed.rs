@@ -19,15 +19,16 @@ pub const LANDING: &[&str] = &[
     "quadrotor.start",
 ];
 
+/// Where the joints of the platform's legs are.
+pub const JOINTS: &[&str] = &["platform.radii", "platform.half_angles"];
+/// How high the platform stands at home.
+pub const HOME: &[&str] = &["platform.home"];
+/// What the platform's legs weigh.
+pub const LEGS: &[&str] = &["platform.cylinders", "platform.pistons"];
+/// What the platform itself weighs.
+pub const PLATE: &[&str] = &["platform.plate"];
 /// What every leg of the platform rests on.
-pub const PLATFORM: &[&str] = &[
-    "platform.radii",
-    "platform.half_angles",
-    "platform.home",
-    "platform.plate",
-    "platform.cylinders",
-    "platform.pistons",
-];
+pub const PLATFORM: [&[&str]; 4] = [JOINTS, HOME, LEGS, PLATE];
 
 /// A row of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

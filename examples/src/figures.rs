@@ -1,6 +1,6 @@
 //! The 36 figures of the thesis: their captions, what is shown here, and what that rests on.
 
-use crate::assumed;
+use crate::assumed::{self, HOME, JOINTS, LEGS, PLATE};
 
 /// A figure of the thesis.
 pub struct Entry {
@@ -44,21 +44,19 @@ type Keys = &'static [&'static [&'static str]];
 
 const PATH_1: Keys = &[&["arm.quartic"]];
 const PATH_2: Keys = &[&["arm.quartic", "arm.case_2"]];
-const JOINTS: &[&str] = &["platform.radii", "platform.half_angles"];
-const HOME: &[&str] = &["platform.home"];
 const ATTITUDE: &[&str] = &["platform.attitude"];
-const LEGS: &[&str] = &["platform.cylinders", "platform.pistons"];
 const MOTION: &[&str] = &["platform.frequency", "platform.height"];
-const MASSES: &[&str] = &["gravity", "platform.plate", "platform.payload"];
+const LOAD: &[&str] = &["gravity", "platform.payload"];
 const GEOMETRY: Keys = &[JOINTS, HOME];
 const FRAMES: Keys = &[JOINTS, HOME, ATTITUDE];
 const ACTUATOR: Keys = &[JOINTS, HOME, LEGS];
 const LENGTHS: Keys = &[JOINTS, HOME, MOTION];
-const FORCES: Keys = &[JOINTS, HOME, LEGS, MOTION, MASSES];
-const SENSITIVITY: Keys = &[JOINTS, HOME, LEGS, MOTION, MASSES, ATTITUDE, &["platform.angles"]];
+const FORCES: Keys = &[JOINTS, HOME, LEGS, PLATE, MOTION, LOAD];
+const SENSITIVITY: Keys = &[JOINTS, HOME, LEGS, PLATE, MOTION, LOAD, ATTITUDE, &["platform.angles"]];
 const ROTORS: Keys = &[&["quadrotor.rotors"]];
 const LANDING: Keys = &[assumed::LANDING];
-const LANDING_ON_LEGS: Keys = &[assumed::LANDING, JOINTS, LEGS, &["platform.plate", "platform.limits"]];
+// Not on home: there the platform cannot make the motion.
+const LANDING_ON_LEGS: Keys = &[assumed::LANDING, JOINTS, LEGS, PLATE, &["platform.limits"]];
 const ORBIT: Keys = &[&["orbit.altitude", "orbit.initial"]];
 
 /// In the order of the thesis.

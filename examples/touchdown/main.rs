@@ -38,7 +38,7 @@ const ASSUMED: [&str; 10] = [
 
 /// What every touchdown rests on.
 fn assumed_keys() -> Vec<&'static str> {
-    [assumed::LANDING, assumed::PLATFORM, &ASSUMED].concat()
+    [assumed::LANDING, &assumed::PLATFORM.concat(), &ASSUMED].concat()
 }
 
 fn main() -> Result<(), Failure> {
