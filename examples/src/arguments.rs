@@ -62,9 +62,9 @@ impl<O: clap::Args> Arguments<O> {
 pub fn one_of<T: Clone + Send + Sync + 'static, const N: usize>(
     values: [(&'static str, T); N],
 ) -> impl TypedValueParser<Value = T> {
-    PossibleValuesParser::new(values.each_ref().map(|(name, _)| *name)).try_map(move |name| {
+    PossibleValuesParser::new(values.each_ref().map(|(name, _)| *name)).map(move |name| {
         let found = values.iter().find(|(own, _)| *own == name);
-        found.map(|(_, value)| value.clone()).ok_or_else(|| format!("there is no {name}"))
+        found.map(|(_, value)| value.clone()).expect("one of the possible values")
     })
 }
 
