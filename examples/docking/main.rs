@@ -11,7 +11,7 @@
 
 mod figures;
 mod flight;
-mod report;
+mod summary;
 
 use mbs_examples::Failure;
 use mbs_examples::arguments::{Arguments, one_of};
@@ -42,6 +42,6 @@ fn main() -> Result<(), Failure> {
         figures::write_tables(folder, &flown)?;
     }
     let flights = [&flown, &perfect, &attracted];
-    arguments.answer(report::to_json(flights), &report::text(flights), &ASSUMED);
+    arguments.answer(summary::to_json(flights), &summary::text(flights), &ASSUMED);
     Ok(())
 }

@@ -12,7 +12,6 @@
 mod along;
 mod cases;
 mod control;
-mod report;
 mod sensitivity;
 mod summary;
 
@@ -59,7 +58,7 @@ fn main() -> Result<(), Failure> {
         }
     }
     if arguments.json {
-        println!("{}", assumed::with(report::to_json(&platform, &results)?, &ASSUMED));
+        println!("{}", assumed::with(summary::to_json(&platform, &results)?, &ASSUMED));
     } else {
         summary::print(&platform, &results)?;
         print!("{}", assumed::text(&ASSUMED));

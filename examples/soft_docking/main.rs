@@ -10,7 +10,7 @@
 
 mod cases;
 mod figures;
-mod report;
+mod summary;
 
 use mbs_examples::{Failure, arguments::Arguments};
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), Failure> {
     if let Some(folder) = arguments.folder()? {
         figures::write(folder, &flights[0], &contacts, &burns)?;
     }
-    let results = report::to_json(&flights, &contacts, &burns);
-    arguments.answer(results, &report::text(&flights, &contacts, &burns), &ASSUMED);
+    let results = summary::to_json(&flights, &contacts, &burns);
+    arguments.answer(results, &summary::text(&flights, &contacts, &burns), &ASSUMED);
     Ok(())
 }
