@@ -1,6 +1,6 @@
 //! Adaptive control as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, keys, number};
+use crate::support::{figure, good, json, keys, number};
 use serde_json::Value;
 
 const ADAPTIVE: &str = env!("CARGO_BIN_EXE_adaptive");
@@ -52,8 +52,7 @@ fn arm_and_quadrotor_learn_what_they_move() {
     assert!(number(&landing["backstepping_wrong"]["touchdown_time"]) < 12.0, "{landing}");
 
     for name in ["arm_all_links", "arm_sines", "quadrotor_eight", "quadrotor_landing_case_I"] {
-        let svg = std::fs::read_to_string(folder.join(format!("{name}.svg"))).unwrap();
-        assert!(svg.contains("assumed: "), "{name}");
+        assert!(figure(&folder, name).contains("assumed: "), "{name}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }

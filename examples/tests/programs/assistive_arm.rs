@@ -1,6 +1,6 @@
 //! The assistive arm as outside programs see it.
 
-use crate::support::{good, json, numbers, run};
+use crate::support::{figure, good, json, numbers};
 
 const ASSISTIVE_ARM: &str = env!("CARGO_BIN_EXE_assistive_arm");
 
@@ -24,14 +24,6 @@ fn springs_carry_the_forearm_and_the_hand_moves_it() {
             assert!((found / want - 1.0).abs() < 5e-3, "{name}: {found} {want}");
         }
     }
-    for extension in ["svg", "png"] {
-        let figure = folder.path().join(format!("assistive_arm.{extension}"));
-        assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
-    }
+    figure(folder.path(), "assistive_arm");
     assert!(found["assumed"]["assistive.feel"]["value"].is_string());
-}
-
-#[test]
-fn wrong_usage_ends_with_2() {
-    assert_eq!(run(ASSISTIVE_ARM, &["--fast"]).status.code(), Some(2));
 }

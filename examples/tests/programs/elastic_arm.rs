@@ -1,6 +1,6 @@
 //! The arm with elastic joints as outside programs see it.
 
-use crate::support::{good, json, numbers, run};
+use crate::support::{figure, good, json, numbers};
 
 const ELASTIC_ARM: &str = env!("CARGO_BIN_EXE_elastic_arm");
 
@@ -18,13 +18,5 @@ fn the_flange_rings_where_the_acceleration_jumps() {
     for key in ["elastic.rotors", "elastic.stiffness", "elastic.damping", "arm.masses"] {
         assert!(found["assumed"][key]["value"].is_string(), "{key}");
     }
-    for extension in ["svg", "png"] {
-        let figure = folder.path().join(format!("elastic_arm.{extension}"));
-        assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
-    }
-}
-
-#[test]
-fn wrong_usage_ends_with_2() {
-    assert_eq!(run(ELASTIC_ARM, &["--fast"]).status.code(), Some(2));
+    figure(folder.path(), "elastic_arm");
 }

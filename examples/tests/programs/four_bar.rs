@@ -1,6 +1,6 @@
 //! `four_bar` as outside programs call it: what it prints and what it draws.
 
-use crate::support::{good, json, numbers};
+use crate::support::{figure, good, json, numbers};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_four_bar");
 
@@ -19,5 +19,5 @@ fn the_swing_has_the_period_of_its_linearization() {
     // Richardson: the error falls with the square of the amplitude.
     let limit = (4.0 * periods[1] - periods[0]) / 3.0;
     assert!((limit - expected).abs() < 1e-6 * expected, "{limit} {expected} {periods:?}");
-    assert!(std::fs::read_to_string(folder.path().join("four_bar.svg")).unwrap().contains("middle of the coupler"));
+    assert!(figure(folder.path(), "four_bar").contains("middle of the coupler"));
 }

@@ -1,6 +1,6 @@
 //! The planned landings as outside programs call them: limits in flight, times, what is written.
 
-use crate::support::{good, json, number, numbers, run};
+use crate::support::{figure, good, json, number, numbers, run};
 use mbs_examples::assumed;
 use mbs_landing::quadrotor::predictive::controller::{Descent, Horizon};
 use mbs_landing::quadrotor::predictive::limits::Limits;
@@ -44,10 +44,7 @@ fn planned_landings_keep_their_limits_and_are_shorter_than_the_guided_one() {
         assert!(found["assumed"][key]["value"].is_string(), "{key}");
     }
     for name in ["mpc_landing_I", "mpc_planning_I"] {
-        for extension in ["svg", "png"] {
-            let figure = folder.path().join(format!("{name}.{extension}"));
-            assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
-        }
+        figure(folder.path(), name);
     }
     // The last row is not beyond the touchdown.
     let table = std::fs::read_to_string(folder.path().join("mpc_shortest_I_calm.csv")).unwrap();

@@ -1,7 +1,7 @@
 //! The examples of orbits as outside programs call them, against the reference values of `tests/data/orbit.json` and
 //! `orbit_relative.json`.
 
-use crate::support::{good, json, keys, numbers};
+use crate::support::{figure, good, json, keys, numbers};
 use serde_json::Value;
 
 const TWO_BODY: &str = env!("CARGO_BIN_EXE_two_body");
@@ -26,9 +26,11 @@ fn reference() -> Value {
 fn printed(program: &str, figures: &[&str], tables: &[&str]) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let value = json(&good(program, &["--json", "--out", folder.path().to_str().unwrap()]));
-    let names = figures.iter().flat_map(|name| [format!("{name}.svg"), format!("{name}.png")]);
-    for file in names.chain(tables.iter().map(|name| format!("{name}.csv"))) {
-        assert!(folder.path().join(&file).metadata().unwrap().len() > 1000, "{file}");
+    for name in figures {
+        figure(folder.path(), name);
+    }
+    for name in tables {
+        assert!(folder.path().join(format!("{name}.csv")).metadata().unwrap().len() > 1000, "{name}");
     }
     value
 }

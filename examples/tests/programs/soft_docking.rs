@@ -1,6 +1,6 @@
 //! The soft docking as outside programs call it: what it prints and what it writes.
 
-use crate::support::{good, json, number, numbers, run};
+use crate::support::{figure, good, json, number, numbers};
 use serde_json::Value;
 
 const SOFT_DOCKING: &str = env!("CARGO_BIN_EXE_soft_docking");
@@ -36,12 +36,8 @@ fn figures_and_tables_are_written() {
     let summary = good(SOFT_DOCKING, &["--out", folder.path().to_str().unwrap()]);
     assert!(summary.contains("canted by 20°") && summary.contains("gravity loss"), "{summary}");
     for name in ["approach", "jets", "contact", "burns"] {
-        for extension in ["svg", "png"] {
-            let figure = folder.path().join(format!("soft_docking_{name}.{extension}"));
-            assert!(figure.metadata().unwrap().len() > 1000, "{}", figure.display());
-        }
+        figure(folder.path(), &format!("soft_docking_{name}"));
     }
     let way = std::fs::read_to_string(folder.path().join("soft_docking_way.csv")).unwrap();
     assert!(way.starts_with("t_s,depth_m,left_m,above_m,") && way.lines().count() > 200);
-    assert_eq!(run(SOFT_DOCKING, &["--fast"]).status.code(), Some(2));
 }

@@ -1,5 +1,6 @@
 //! Examples run as outside programs, and what they print.
 
+use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
@@ -14,6 +15,26 @@ pub(crate) fn good(program: &str, arguments: &[&str]) -> String {
     let output = run(program, arguments);
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
     String::from_utf8(output.stdout).unwrap()
+}
+
+/// What a program complains of that is called wrongly, and does nothing else.
+#[track_caller]
+pub(crate) fn refused(program: &str, arguments: &[&str]) -> String {
+    let output = run(program, arguments);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}: {told}");
+    assert!(told.starts_with("error: "), "{arguments:?}: {told}");
+    told
+}
+
+/// The SVG of a figure, which is there as PNG, too, both whole and without what is no number.
+#[track_caller]
+pub(crate) fn figure(folder: &Path, name: &str) -> String {
+    let svg = std::fs::read_to_string(folder.join(format!("{name}.svg"))).unwrap();
+    assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && !svg.contains("NaN"), "{name}");
+    let png = std::fs::read(folder.join(format!("{name}.png"))).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n") && png.len() > 1000, "{name}");
+    svg
 }
 
 /// The JSON that a program or a file is.
