@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, PlaneLine};
 use mbs_examples::Failure;
 use mbs_examples::output::{write_figure, write_table};
 use mbs_orbit::mission::{Axis, Moment, Phase};
@@ -32,22 +32,16 @@ pub(crate) fn write(folder: &Path, flight: &Flight) -> Result<(), Failure> {
 type Points = Vec<(f64, f64)>;
 
 fn curves(x_label: &str, y_label: &str, lines: Vec<(String, Points)>) -> Panel {
-    let abscissas = || lines.iter().flat_map(|line| &line.1).map(|point| point.0);
-    let (low, high) = abscissas().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    let margin = 0.02 * (high - low);
     let lines = lines.into_iter().map(|(name, points)| Line::new(name, points)).collect();
-    Panel::curves([x_label, y_label], low - margin..high + margin, lines)
+    Panel::fitted([x_label, y_label], 0.02, lines)
 }
 
 /// Metres in the orbital plane, both axes to one scale.
 fn plane(lines: Vec<(String, Points)>) -> Panel {
     let line =
         |(name, points): (String, Points)| PlaneLine::new(name, points.into_iter().map(|(y, x)| [y, x]).collect());
-    Panel::Plane(Plane {
-        labels: ["along the motion y [m]", "radial x [m]"].map(String::from),
-        lines: lines.into_iter().map(line).collect(),
-        marks: vec![([0.0, 0.0], "station".to_string())],
-    })
+    let lines = lines.into_iter().map(line).collect();
+    Panel::plane(["along the motion y [m]", "radial x [m]"], lines, vec![([0.0, 0.0], "station".to_string())])
 }
 
 /// The moments of a phase, from the last one of the phase before on.

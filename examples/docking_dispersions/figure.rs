@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use mbs_chart::{Figure, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Panel, PlaneLine};
 use nalgebra::{Matrix2, Matrix6, Vector2};
 
 use crate::WITHIN;
@@ -21,7 +21,7 @@ pub(crate) fn places(covariance: &Matrix6<f64>, misses: &[Vec<f64>]) -> Figure {
             PlaneLine::new("flights", crosses.collect()),
             PlaneLine::new("ellipsoid of 95 % by covariance", shadow(covariance, [right, up])),
         ];
-        Panel::Plane(Plane { labels: ["along the orbit [m]".into(), label.into()], lines, marks: Vec::new() })
+        Panel::plane(["along the orbit [m]", label], lines, Vec::new())
     };
     let panels = vec![Panel::Row(vec![panel([1, 0], "radially [m]"), panel([1, 2], "across [m]")])];
     let title = format!("Where {} of {} flights miss", misses[0].len().min(DRAWN), misses[0].len());

@@ -1,6 +1,6 @@
 //! One burn with its errors: where it leads to in the nonlinear motion, and its covariance by the linear one.
 
-use mbs_ensemble::{Design, Member, Plan};
+use mbs_ensemble::{Design, Plan};
 use mbs_examples::Failure;
 use mbs_models::Error;
 use mbs_orbit::clohessy_wiltshire::{self, state_transition};
@@ -22,22 +22,14 @@ pub(crate) const VARIABLES: [(&str, &str); 9] = [
     ("across", "rad"),
 ];
 
+/// Their values of a burn without errors.
+pub(crate) const PERFECT: [f64; 9] = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+
 /// Altitude of the station \[m\], where the burn is and where it leads to \[m\], and how much of a revolution between.
 const ALTITUDE: f64 = 400e3;
 const FROM: Vector = [0.0, -3000.0, 0.0];
 const TO: Vector = [0.0, -250.0, 0.0];
 const REVOLUTION: f64 = 0.3;
-
-/// A member's values in the order of the variables; those that do not vary are what they should be.
-fn in_order(design: &Design, member: &Member) -> [f64; 9] {
-    let mut values = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
-    for (variable, value) in design.variables().iter().zip(&member.values) {
-        if let Some(place) = VARIABLES.iter().position(|(name, _)| *name == variable.name) {
-            values[place] = *value;
-        }
-    }
-    values
-}
 
 /// The burn as it is planned.
 pub(crate) struct Flight {
@@ -66,9 +58,9 @@ impl Flight {
         size * self.burn * (along + in_plane.tan() * aside + across.tan() * out).normalize()
     }
 
-    /// Where it arrives in the nonlinear motion, less where it should.
-    pub(crate) fn miss(&self, design: &Design, member: &Member) -> Result<Vec<f64>, Error> {
-        let [x, y, z, v_x, v_y, v_z, size, in_plane, across] = in_order(design, member);
+    /// Where it arrives in the nonlinear motion, less where it should, by the values of the variables.
+    pub(crate) fn miss(&self, values: [f64; 9]) -> Result<Vec<f64>, Error> {
+        let [x, y, z, v_x, v_y, v_z, size, in_plane, across] = values;
         let radius = EARTH_RADIUS + ALTITUDE;
         let station = StateVector::new([radius, 0.0, 0.0], [0.0, self.n * radius, 0.0]);
         let burn = self.burned([size, in_plane, across]);

@@ -11,6 +11,7 @@
 
 mod figure;
 mod flight;
+mod summary;
 
 use std::path::PathBuf;
 
@@ -19,9 +20,8 @@ use mbs_ensemble::statistics::Moments;
 use mbs_examples::dispersion::Dispersion;
 use mbs_examples::{Failure, arguments::Arguments, output};
 use nalgebra::{Matrix3, Matrix6, Vector3};
-use serde_json::{Value, json};
 
-use flight::{Flight, VARIABLES};
+use flight::{Flight, PERFECT, VARIABLES};
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
@@ -46,15 +46,17 @@ fn main() -> Result<(), Failure> {
     let plan = ("docking.toml", include_str!("../ensembles/docking.toml"));
     let members = options.members;
     let dispersion = Dispersion::planned("docking_dispersions", plan, members, VARIABLES, &QUANTITIES)?;
-    let (flight, design) = (Flight::planned()?, &dispersion.design);
-    let miss = |member: &Member| flight.miss(design, member).map_err(|error| error.to_string());
+    let flight = Flight::planned()?;
+    let miss = |member: &Member| {
+        flight.miss(dispersion.in_order(&VARIABLES, PERFECT, member)).map_err(|error| error.to_string())
+    };
     let (folder, misses) = (arguments.folder()?, dispersion.all_columns(options.table.as_deref(), &miss)?);
-    let covariance = flight.covariance(&dispersion.plan, design)?;
+    let covariance = flight.covariance(&dispersion.plan, &dispersion.design)?;
     let dispersions = Dispersions::of(&covariance, &misses)?;
     if let Some(folder) = folder {
         output::write_figure(folder, "docking_dispersions", &figure::places(&covariance, &misses), &ASSUMED)?;
     }
-    arguments.answer(dispersions.object(), &dispersions.text(), &ASSUMED);
+    arguments.answer(summary::to_json(&dispersions), &summary::text(&dispersions), &ASSUMED);
     Ok(())
 }
 
@@ -89,25 +91,5 @@ impl Dispersions {
             flown: std::array::from_fn(|i| misses[i].iter().copied().collect()),
             within: (0..members).filter(is_within).count() as f64 / members as f64,
         })
-    }
-
-    fn object(&self) -> Value {
-        let mut object = json!({ "members": self.members, "within_95": self.within });
-        for (i, (name, _)) in QUANTITIES.iter().enumerate() {
-            let (linear, flown) = (self.linear[i], self.flown[i]);
-            object[name] = json!({ "sd_linear": linear, "sd": flown.deviation(), "mean": flown.mean });
-        }
-        object
-    }
-
-    fn text(&self) -> String {
-        let mut text = format!("{} flights\n            deviation: linear   flown       ratio   mean\n", self.members);
-        for (i, (name, unit)) in QUANTITIES.iter().enumerate() {
-            let (linear, flown) = (self.linear[i], self.flown[i]);
-            let (deviation, ratio) = (flown.deviation(), flown.deviation() / linear);
-            text +=
-                &format!("{name:<9} {unit:<4}  {linear:>14.5}  {deviation:>10.5}  {ratio:>8.4}  {:>8.4}\n", flown.mean);
-        }
-        text + &format!("{:.2} % of the flights arrive within the ellipsoid of 95 %\n", 100.0 * self.within)
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_landing::estimator::nominal::ERRORS;
 use mbs_landing::quadrotor::heave::Heave;
@@ -134,15 +134,12 @@ fn markers(flight: &Flight) -> Panel {
         markers.flat_map(|i| path(i).chain([[f64::NAN; 2]])).collect::<Vec<_>>()
     };
     let marks = flight.images.first().and_then(|image| image[0]).map(|place| (up(place), "first image".to_string()));
-    Panel::Plane(Plane {
-        labels: ["right of the middle of the image [px]", "above it [px]"].map(String::from),
-        lines: vec![
-            PlaneLine::new("edge of the image", edge),
-            PlaneLine::new("outer markers", paths(0..MARKERS / 2)),
-            PlaneLine::new("inner markers", paths(MARKERS / 2..MARKERS)),
-        ],
-        marks: marks.into_iter().collect(),
-    })
+    let lines = vec![
+        PlaneLine::new("edge of the image", edge),
+        PlaneLine::new("outer markers", paths(0..MARKERS / 2)),
+        PlaneLine::new("inner markers", paths(MARKERS / 2..MARKERS)),
+    ];
+    Panel::plane(["right of the middle of the image [px]", "above it [px]"], lines, marks.into_iter().collect())
 }
 
 /// Parts of the landings that stay below a value.
@@ -154,14 +151,9 @@ fn touchdown(runs: &[Run]) -> Vec<Panel> {
             let step = |(i, value): (usize, f64)| [i, i + 1].map(|i| (value, 100.0 * i as f64 / runs.len() as f64));
             values.into_iter().enumerate().flat_map(step).collect::<Vec<_>>()
         };
-        let both: [Vec<(f64, f64)>; 2] = [part(|run| &run.estimated), part(|run| &run.exact)];
-        let values = || both.iter().flatten().map(|point| point.0);
-        let low = values().fold(f64::INFINITY, f64::min);
-        let high = values().fold(f64::NEG_INFINITY, f64::max);
-        let margin = 0.05 * (high - low);
-        let [estimated, exact] = both;
+        let (estimated, exact) = (part(|run| &run.estimated), part(|run| &run.exact));
         let lines = vec![Line::new("on the estimate", estimated), Line::new("on the true state", exact)];
-        Panel::curves([label, "landings with less [%]"], low - margin..high + margin, lines)
+        Panel::fitted([label, "landings with less [%]"], 0.05, lines)
     };
     vec![
         panel("horizontal offset [mm]", |end| 1e3 * end.horizontal_offset),

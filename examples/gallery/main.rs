@@ -8,6 +8,7 @@
 mod chapters;
 mod data;
 mod index;
+mod jobs;
 mod scheme_arm;
 mod scheme_frames;
 mod scheme_platform;
@@ -18,10 +19,12 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use mbs_chart::{Figure, Format};
+use mbs_chart::Format;
 use mbs_examples::figures::{FIGURES, file_name};
 use mbs_examples::{Failure, output};
 use rayon::prelude::*;
+
+use jobs::{JOBS, Job};
 
 /// Draws the 36 figures of the thesis as SVG, with a page that shows them.
 ///
@@ -46,32 +49,6 @@ fn known(text: &str) -> Result<&'static str, String> {
     })
 }
 
-/// Figures that are made of one calculation, with their numbers.
-struct Job {
-    numbers: &'static [&'static str],
-    draw: fn() -> Result<Vec<Figure>, Failure>,
-}
-
-/// Those that take longest first.
-const JOBS: [Job; 16] = [
-    Job { numbers: &["5.2", "5.3", "5.4", "5.5"], draw: || data::landing(0) },
-    Job { numbers: &["5.6", "5.7", "5.8", "5.9"], draw: || data::landing(1) },
-    Job { numbers: &["7.3", "7.4"], draw: data::about_a_station },
-    Job { numbers: &["3.4", "3.6", "3.8", "3.10"], draw: || data::arm(0) },
-    Job { numbers: &["3.5", "3.7", "3.9", "3.11"], draw: || data::arm(1) },
-    Job { numbers: &["4.9", "4.10", "4.11", "4.12"], draw: data::table_4 },
-    Job { numbers: &["4.5", "4.6", "4.8", "4.7"], draw: data::table_3 },
-    Job { numbers: &["3.1"], draw: scheme_arm::both_ways },
-    Job { numbers: &["3.2"], draw: scheme_arm::side_view },
-    Job { numbers: &["3.3"], draw: scheme_arm::second_angle },
-    Job { numbers: &["4.1"], draw: scheme_platform::frames },
-    Job { numbers: &["4.2"], draw: scheme_platform::joints },
-    Job { numbers: &["4.3"], draw: scheme_platform::actuator },
-    Job { numbers: &["4.4"], draw: scheme_platform::spherical },
-    Job { numbers: &["5.1"], draw: scheme_frames::vehicle },
-    Job { numbers: &["7.1", "7.2"], draw: scheme_frames::orbits },
-];
-
 fn main() -> Result<(), Failure> {
     let Arguments { out, only } = Arguments::parse();
     let is_wanted = |number: &str| only.is_empty() || only.contains(&number);
@@ -83,7 +60,7 @@ fn main() -> Result<(), Failure> {
     let drawn: Vec<Vec<(&str, Vec<u8>)>> = jobs
         .par_iter()
         .map(|job| {
-            let drawn = drawn(job).map_err(|failure| format!("Figure {}: {failure:?}", job.numbers.join(", ")))?;
+            let drawn = job.drawn().map_err(|failure| format!("Figure {}: {failure:?}", job.numbers.join(", ")))?;
             progress.set_message(format!("Figure {}", job.numbers.join(", ")));
             progress.inc(job.numbers.len() as u64);
             Ok(drawn)
@@ -103,11 +80,4 @@ fn main() -> Result<(), Failure> {
     output::write_file(&out.join("index.html"), index::page(&numbers).as_bytes())?;
     println!("{} figures and the diagram of the chapters: {}", figures.len(), out.join("index.html").display());
     Ok(())
-}
-
-fn drawn(job: &Job) -> Result<Vec<(&'static str, Vec<u8>)>, Failure> {
-    let figures = (job.draw)()?;
-    assert_eq!(figures.len(), job.numbers.len(), "a figure for each number of {:?}", job.numbers);
-    let pairs = job.numbers.iter().zip(&figures);
-    pairs.map(|(number, figure)| Ok((*number, mbs_chart::draw(figure, Format::Svg)?))).collect()
 }

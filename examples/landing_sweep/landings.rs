@@ -1,8 +1,7 @@
 //! What a plan may vary of a landing, and the landing with these values.
 
-use mbs_ensemble::design::Variable;
-use mbs_ensemble::{Design, Member};
-use mbs_examples::Failure;
+use mbs_ensemble::Member;
+use mbs_examples::dispersion::Dispersion;
 use mbs_examples::quadrotor_landing::members::{PERIOD, SEEN, around};
 use mbs_landing::quadrotor::heave::Heave;
 use mbs_landing::quadrotor::landing::{Landing, Plant};
@@ -32,42 +31,29 @@ pub(crate) const VARIABLES: [(&str, &str); 12] = [
 pub(crate) const QUANTITIES: [(&str, &str); 3] =
     [("touchdown_time", "s"), ("relative_velocity", "m/s"), ("horizontal_offset", "m")];
 
-/// Where the values of a member go.
-pub(crate) struct Landings {
-    places: Vec<usize>,
-}
-
-impl Landings {
-    pub(crate) fn of(design: &Design) -> Result<Self, Failure> {
-        let place = |variable: &Variable| VARIABLES.iter().position(|(n, _)| *n == variable.name);
-        let places = design.variables().iter().map(place).collect::<Option<_>>();
-        Ok(Landings { places: places.ok_or_else(|| Failure::new("the plan varies something unknown"))? })
-    }
-
-    /// A landing with its touchdown's quantities; the controller knows the vehicle as it was designed.
-    pub(crate) fn land(&self, member: &Member) -> Result<Vec<f64>, String> {
-        let calm = Landing::new(Plant::Exact, Heave::CASE_I);
-        let designed = *calm.vehicle.params();
-        let mut values = [designed.m, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
-        self.places.iter().zip(&member.values).for_each(|(place, value)| values[*place] = *value);
-        let [m, inertia, drag, wind_x, wind_y, wind_z, x, y, z, sensors, sea, swell] = values;
-        let heave = Heave {
-            amplitude: Heave::CASE_I.amplitude.map(|amplitude| sea * amplitude),
-            frequency: Heave::CASE_I.frequency.map(|frequency| swell * frequency),
-        };
-        let mut landing = Landing::new(Plant::Exact, heave);
-        landing.vehicle = QuadrotorEuler::new(Params {
-            m,
-            inertias: designed.inertias.map(|of| inertia * of),
-            drag_coefficient: drag * designed.drag_coefficient,
-            ..designed
-        });
-        landing.wind = [wind_x, wind_y, wind_z];
-        let mut start = Landing::initial_state();
-        [x, y, z].iter().enumerate().for_each(|(i, off)| start.q[i] += off);
-        let (mut random, seen) = (Pcg64Mcg::from_rng(&mut member.random()), SEEN.map(|deviation| sensors * deviation));
-        let see = |_, state: &_| around(state, seen, || StandardNormal.sample(&mut random));
-        let end = landing.simulate_sampled(start, PERIOD, see).map_err(|error| error.to_string())?;
-        Ok(vec![end.time, end.relative_velocity, end.horizontal_offset])
-    }
+/// A landing with its touchdown's quantities; the controller knows the vehicle as it was designed.
+pub(crate) fn land(dispersion: &Dispersion, member: &Member) -> Result<Vec<f64>, String> {
+    let calm = Landing::new(Plant::Exact, Heave::CASE_I);
+    let designed = *calm.vehicle.params();
+    let usual = [designed.m, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    let [m, inertia, drag, wind_x, wind_y, wind_z, x, y, z, sensors, sea, swell] =
+        dispersion.in_order(&VARIABLES, usual, member);
+    let heave = Heave {
+        amplitude: Heave::CASE_I.amplitude.map(|amplitude| sea * amplitude),
+        frequency: Heave::CASE_I.frequency.map(|frequency| swell * frequency),
+    };
+    let mut landing = Landing::new(Plant::Exact, heave);
+    landing.vehicle = QuadrotorEuler::new(Params {
+        m,
+        inertias: designed.inertias.map(|of| inertia * of),
+        drag_coefficient: drag * designed.drag_coefficient,
+        ..designed
+    });
+    landing.wind = [wind_x, wind_y, wind_z];
+    let mut start = Landing::initial_state();
+    [x, y, z].iter().enumerate().for_each(|(i, off)| start.q[i] += off);
+    let (mut random, seen) = (Pcg64Mcg::from_rng(&mut member.random()), SEEN.map(|deviation| sensors * deviation));
+    let see = |_, state: &_| around(state, seen, || StandardNormal.sample(&mut random));
+    let end = landing.simulate_sampled(start, PERIOD, see).map_err(|error| error.to_string())?;
+    Ok(vec![end.time, end.relative_velocity, end.horizontal_offset])
 }

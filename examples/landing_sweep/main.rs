@@ -6,19 +6,18 @@
 //! `--out DIR` writes histograms (SVG and PNG). `--compare` measures what the ensemble costs beside the bare loop over
 //! its closures, on one thread, and nothing else.
 
+mod cost;
 mod landings;
+mod summary;
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use mbs_ensemble::statistics::{Moments, quantile, quantile_interval};
-use mbs_ensemble::{Member, Share, Sweep};
+use mbs_ensemble::Member;
 use mbs_examples::dispersion::Dispersion;
 use mbs_examples::quadrotor_landing::members;
-use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output, println};
-use serde_json::{Value, json};
+use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output};
 
-use landings::{Landings, QUANTITIES, VARIABLES};
+use landings::{QUANTITIES, VARIABLES, land};
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
@@ -48,75 +47,20 @@ fn main() -> Result<(), Failure> {
     };
     let members = options.members;
     let dispersion = Dispersion::planned("landing_sweep", (&name, &text), members, VARIABLES, &QUANTITIES)?;
-    let landings = Landings::of(&dispersion.design)?;
+    let land = |member: &Member| land(&dispersion, member);
     if options.compare {
         let folder = tempfile::tempdir()?;
-        return compare(&landings, &dispersion.sweep(folder.path().join("landings.csv")));
+        return cost::compare(&land, &dispersion.sweep(folder.path().join("landings.csv")));
     }
-    let land = |member: &Member| landings.land(member);
     let folder = arguments.folder()?;
     let (outcome, mut columns) =
         dispersion.columns(options.table.as_deref(), options.threads.map(usize::from), &land)?;
     columns.iter_mut().for_each(|column| column.retain(|value| value.is_finite()));
     let keys = [assumed::LANDING, &members::ASSUMED].concat();
     if let Some(folder) = folder {
-        if columns[0].is_empty() {
-            return Err(Failure::new("no landing touched down: there is nothing to draw"));
-        }
         output::write_figure(folder, "landings", &histograms::figure("landings", &QUANTITIES, &columns), &keys)?;
     }
-    let (object, text) = report(&outcome, columns);
+    let (object, text) = summary::of(&outcome, columns);
     arguments.answer(object, &text, &keys);
-    Ok(())
-}
-
-/// What all landings say together.
-fn report(outcome: &mbs_ensemble::sweep::Outcome, columns: Vec<Vec<f64>>) -> (Value, String) {
-    let mut object = json!({ "members": outcome.members, "stopped": outcome.stopped });
-    let mut text = format!("{} landings, {} without a touchdown\n", outcome.members, outcome.stopped);
-    for ((name, unit), mut column) in QUANTITIES.into_iter().zip(columns) {
-        let moments: Moments = column.iter().copied().collect();
-        column.sort_by(f64::total_cmp);
-        let [low, high] = moments.mean_interval(0.95);
-        let (median, last) = (quantile(&column, 0.5), quantile(&column, 0.99));
-        let bounds = quantile_interval(&column, 0.99, 0.95);
-        object[name] = json!({
-            "mean": moments.mean, "sd": moments.deviation(), "ci95": [low, high],
-            "median": median, "q99": last, "q99_ci95": bounds,
-        });
-        let bounds = bounds.map_or(String::new(), |[low, high]| format!(" ({low:.5} to {high:.5})"));
-        text += &format!(
-            "{name:<18} mean {:.5} ({low:.5} to {high:.5}), median {median:.5}, 99 % {last:.5}{bounds} {unit}\n",
-            moments.mean
-        );
-    }
-    (object, text)
-}
-
-/// Members a second on one thread: of the loop over the closures alone, and of the ensemble with its journal and table.
-fn compare(landings: &Landings, sweep: &Sweep<'_>) -> Result<(), Failure> {
-    let members = sweep.design.members();
-    let mut rates = [Vec::new(), Vec::new()];
-    for _ in 0..5 {
-        let began = Instant::now();
-        let mut sum = 0.0;
-        for index in 0..members {
-            sum += landings.land(&sweep.design.member(index)).map_or(0.0, |row| row[0]);
-        }
-        rates[0].push(members as f64 / began.elapsed().as_secs_f64());
-        if !sum.is_finite() {
-            return Err(Failure::new("a touchdown time is not finite"));
-        }
-        let began = Instant::now();
-        sweep.run(&|member: &Member| landings.land(member), Share::WHOLE, 1, &|_| ())?;
-        sweep.merge(|_| ())?;
-        rates[1].push(members as f64 / began.elapsed().as_secs_f64());
-        std::fs::remove_file(&sweep.table)?;
-    }
-    let [bare, ensemble] = rates.map(|mut rates| {
-        rates.sort_by(f64::total_cmp);
-        quantile(&rates, 0.5)
-    });
-    println!("{bare:.1} members/s in the bare loop, {ensemble:.1} in the ensemble: {:.3}", ensemble / bare);
     Ok(())
 }

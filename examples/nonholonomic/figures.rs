@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, PlaneLine};
 use mbs_examples::{Failure, output};
 use mbs_runtime::State;
 
@@ -21,19 +21,19 @@ pub(crate) fn write(folder: &Path, edge: &Edge, sleigh: &Sleigh, coin: &Coin) ->
     let exact = turned(edge.flown.exact.iter().map(|s| [s.q[0], s.q[1]]).collect());
     let lines = vec![PlaneLine::new("integrated", turned(path(&edge.flown))), PlaneLine::new("cycloid", exact)];
     let marks = vec![([0.0, 0.0], "start, at rest".to_string())];
-    let labels = ["across the slope y [m]", "up the slope −x [m]"].map(String::from);
+    let labels = ["across the slope y [m]", "up the slope −x [m]"];
     figure(
         "nonholonomic_edge",
         "A knife edge on an incline of 20°, turning at 0.7 rad/s",
         (1100, 640),
-        vec![Panel::Plane(Plane { labels, lines, marks }), difference(&edge.flown, &[2])],
+        vec![Panel::plane(labels, lines, marks), difference(&edge.flown, &[2])],
     )?;
 
     let centre = |s: &State<[f64; 3]>| [s.q[0] + sleigh.a * s.q[2].cos(), s.q[1] + sleigh.a * s.q[2].sin()];
     let centres = sleigh.flown.samples.iter().map(|(_, s)| centre(s)).collect();
     let lines = vec![PlaneLine::new("blade", path(&sleigh.flown)), PlaneLine::new("mass centre", centres)];
     let marks = vec![([0.0, 0.0], "start, backwards".to_string())];
-    let plane = Panel::Plane(Plane { labels: ["x [m]", "y [m]"].map(String::from), lines, marks });
+    let plane = Panel::plane(["x [m]", "y [m]"], lines, marks);
     figure("nonholonomic_sleigh", "Chaplygin's sleigh, pushed backwards", (1000, 800), vec![plane])?;
     let column = |rows: &[[f64; 3]], i: usize| rows.iter().map(|row| (row[0], row[i])).collect::<Vec<_>>();
     let pair = |label: &str, i: usize| {
@@ -49,7 +49,7 @@ pub(crate) fn write(folder: &Path, edge: &Edge, sleigh: &Sleigh, coin: &Coin) ->
     let centres = mm(samples.iter().map(|(_, s)| [s.q[0], s.q[1]]).collect());
     let contacts = mm(samples.iter().map(|(_, s)| coin.contact(s, radius)).collect());
     let lines = vec![PlaneLine::new("centre", centres), PlaneLine::new("point of contact", contacts)];
-    let plane = Panel::Plane(Plane { labels: ["x [mm]", "y [mm]"].map(String::from), lines, marks: vec![] });
+    let plane = Panel::plane(["x [mm]", "y [mm]"], lines, Vec::new());
     let title = "A coin that leans by 22.9° and goes round at 6 rad/s";
     figure("nonholonomic_coin", title, (900, 1100), vec![plane, difference(&coin.flown, &[2, 3, 4])])?;
     write_tables(folder, edge, sleigh, coin)

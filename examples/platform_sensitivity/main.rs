@@ -12,17 +12,16 @@
 
 mod figure;
 mod study;
+mod summary;
 
 use std::path::PathBuf;
 
 use mbs_ensemble::statistics::Moments;
-use mbs_ensemble::statistics::sensitivity::{Estimate, Indices, indices};
+use mbs_ensemble::statistics::sensitivity::{Indices, indices};
 use mbs_ensemble::{Design, Distribution, Member};
 use mbs_examples::dispersion::Dispersion;
 use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_platform::sensitivity::Parameter;
-use serde_json::{Value, json};
-
 use study::Study;
 
 #[derive(Clone, Debug, clap::Args)]
@@ -57,10 +56,7 @@ fn main() -> Result<(), Failure> {
     if let Some(folder) = folder {
         output::write_figure(folder, "platform_sensitivity", &figure::shares(&results), &ASSUMED)?;
     }
-    let named = || QUANTITIES.iter().zip(&results);
-    let object: Value = named().map(|(name, quantity)| (name.to_string(), quantity.object(&study))).collect();
-    let text: String = named().map(|(name, quantity)| quantity.text(name, &study)).collect();
-    arguments.answer(object, &text, &ASSUMED);
+    arguments.answer(summary::to_json(&study, &results), &summary::text(&study, &results), &ASSUMED);
     Ok(())
 }
 
@@ -93,36 +89,5 @@ impl Quantity {
         let mut order: Vec<usize> = (0..self.shares.len()).collect();
         order.sort_by(|a, b| self.indices[*b].total.value.total_cmp(&self.indices[*a].total.value));
         order
-    }
-
-    fn object(&self, study: &Study) -> Value {
-        let entry = |place: usize| {
-            let Indices { first, total } = self.indices[place];
-            let value = json!({
-                "by_gradient": self.shares[place],
-                "first": first.value, "first_ci95": first.interval,
-                "total": total.value, "total_ci95": total.interval,
-            });
-            (study.parameters[place].name().to_string(), value)
-        };
-        let parameters: Value = (0..self.shares.len()).map(entry).collect();
-        json!({ "sd_by_gradient": self.deviations[0], "sd": self.deviations[1], "parameters": parameters })
-    }
-
-    /// The parameters that decide, in order.
-    fn text(&self, name: &str, study: &Study) -> String {
-        const SHOWN: usize = 8;
-        let [by_gradient, by_members] = self.deviations;
-        let mut text = format!(
-            "{name} of the forces: deviation {by_gradient:.2} N by gradients, {by_members:.2} N by members\n  \
-             parameter             gradient   first order                 total\n"
-        );
-        for place in self.order().into_iter().take(SHOWN) {
-            let Indices { first, total } = self.indices[place];
-            let bounded = |e: Estimate| format!("{:.3} ({:.3} to {:.3})", e.value, e.interval[0], e.interval[1]);
-            let (share, first, total) = (self.shares[place], bounded(first), bounded(total));
-            text += &format!("  {:<20}  {share:<9.3}  {first:<26}  {total}\n", study.parameters[place].name());
-        }
-        text
     }
 }

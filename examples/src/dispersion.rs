@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use mbs_ensemble::plan::Located;
 use mbs_ensemble::sweep::{Motion, Outcome};
 use mbs_ensemble::table::{Column, Format};
-use mbs_ensemble::{Design, Plan, Share, Sweep, Variables, journal};
+use mbs_ensemble::{Design, Member, Plan, Share, Sweep, Variables, journal};
 
 use crate::Failure;
 
@@ -41,6 +41,22 @@ impl Dispersion {
         let design = plan.design(&Variables::new(variables)).map_err(refused)?;
         let quantities = quantities.iter().map(|(name, unit)| Column::new(name, unit)).collect();
         Ok(Dispersion { plan, design, program, digest: journal::digest(text.as_bytes()), quantities })
+    }
+
+    /// A member's values in the order of these variables; `usual` are those of what the plan does not vary.
+    pub fn in_order<const N: usize>(
+        &self,
+        variables: &[(&str, &str); N],
+        usual: [f64; N],
+        member: &Member,
+    ) -> [f64; N] {
+        let mut values = usual;
+        for (variable, value) in self.design.variables().iter().zip(&member.values) {
+            if let Some(place) = variables.iter().position(|(name, _)| *name == variable.name) {
+                values[place] = *value;
+            }
+        }
+        values
     }
 
     /// Its ensemble, with this table.

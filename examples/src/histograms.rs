@@ -2,8 +2,8 @@
 
 use mbs_chart::{Figure, Line, Panel};
 
-/// A histogram of each quantity, one below the other: how many `members`, such as landings, and names with units; one
-/// value of each at least.
+/// A histogram of each quantity, one below the other: how many `members`, such as landings, and names with units; axes
+/// alone where there are no values.
 #[must_use]
 pub fn figure(members: &str, quantities: &[(&str, &str)], columns: &[Vec<f64>]) -> Figure {
     let panel = |((name, unit), values): (&(&str, &str), &Vec<f64>)| {

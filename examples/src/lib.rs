@@ -1,14 +1,16 @@
 //! What the examples share: their arguments, what they assume, the files they write, how they fail; the
 //! calculations and figures of the thesis that the programs of a chapter and `gallery` both draw; what `benches/`
-//! times, too; and ensembles by a plan.
+//! times, too; contests of who is faster; and ensembles by a plan.
 
 pub mod arguments;
 pub mod arm_trajectory;
 pub mod assumed;
 pub mod chains;
+pub mod contest;
 pub mod dispersion;
 pub mod figures;
 pub mod histograms;
+pub mod numbers;
 pub mod output;
 pub mod platform_dynamics;
 pub mod quadrotor_landing;

@@ -86,6 +86,14 @@ pub fn write_records(
     write_file(&folder.join(format!("{name}.csv")), &bytes)
 }
 
+/// Writes `name.json`, in one line.
+///
+/// # Errors
+/// Those of [`write_file`].
+pub fn write_json(folder: &Path, name: &str, value: &serde_json::Value) -> Result<(), Failure> {
+    write_file(&folder.join(format!("{name}.json")), format!("{value}\n").as_bytes())
+}
+
 /// Writes a file whole or not at all: beside its place first, then there.
 ///
 /// # Errors

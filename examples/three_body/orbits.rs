@@ -1,6 +1,6 @@
 //! Orbits of the planar restricted problem.
 
-use mbs_examples::Failure;
+use mbs_examples::{Failure, numbers::apart};
 use mbs_models::cr3bp_planar::{Cr3bpPlanar, Params};
 use mbs_orbit::collision::fly;
 use mbs_orbit::libration::points;
@@ -69,8 +69,7 @@ impl Flight {
 
     /// The greatest difference of the four numbers of the state at the end from those at the beginning.
     pub(crate) fn return_error(&self) -> f64 {
-        let pairs = self.start.q.iter().zip(&self.end.q).chain(self.start.qd.iter().zip(&self.end.qd));
-        pairs.fold(0.0, |most, (a, b)| most.max((a - b).abs()))
+        apart(&self.start.q, &self.end.q).max(apart(&self.start.qd, &self.end.qd))
     }
 }
 

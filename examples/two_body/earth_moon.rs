@@ -1,6 +1,6 @@
 //! The Earth and the Moon in inertial axes about their barycentre, the Moon slower than it is.
 
-use mbs_examples::Failure;
+use mbs_examples::{Failure, numbers::apart};
 use mbs_models::two_body::TwoBody;
 use mbs_orbit::EARTH_RADIUS;
 use mbs_orbit::collision::fly;
@@ -55,7 +55,7 @@ pub(crate) fn run() -> Result<Flight, Failure> {
         let [a, b] = bodies(s);
         (a[0] - b[0]).hypot(a[1] - b[1]).hypot(a[2] - b[2])
     };
-    let size = |v: [f64; 3]| v.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    const ORIGIN: [f64; 3] = [0.0; 3];
     let energy = |s: &State<[f64; 6]>| pair.conserved(&s.q, &s.qd)[0];
     let momentum = |s: &State<[f64; 6]>| pair.angular_momentum(&s.q, &s.qd);
     let mut flight = Flight {
@@ -71,9 +71,8 @@ pub(crate) fn run() -> Result<Flight, Failure> {
         let now = step.state();
         flight.energy_drift = flight.energy_drift.max(((energy(now) - energy(&start)) / energy(&start)).abs());
         let [l, l0] = [momentum(now), momentum(&start)];
-        let apart: [f64; 3] = std::array::from_fn(|i| l[i] - l0[i]);
-        flight.momentum_drift = flight.momentum_drift.max(size(apart) / size(l0));
-        flight.barycentre_drift = flight.barycentre_drift.max(size(pair.barycentre(&now.q)));
+        flight.momentum_drift = flight.momentum_drift.max(apart(&l, &l0) / apart(&l0, &ORIGIN));
+        flight.barycentre_drift = flight.barycentre_drift.max(apart(&pair.barycentre(&now.q), &ORIGIN));
     })?;
     (flight.bodies, flight.barycentre) = (bodies(&state), pair.barycentre(&state.q));
 

@@ -1,6 +1,6 @@
 //! The ellipse a = 1, e = 0.6 about a centre with μ = 1, from its periapsis.
 
-use mbs_examples::Failure;
+use mbs_examples::{Failure, numbers::apart};
 use mbs_models::kepler::{Kepler, Params};
 use mbs_orbit::collision::fly;
 use mbs_orbit::{kepler::propagate, vector::StateVector};
@@ -52,7 +52,6 @@ pub(crate) fn run() -> Result<Ellipse, Failure> {
         (body.conserved(&s.q, &s.qd)[0], body.angular_momentum(&s.q, &s.qd), body.eccentricity(&s.q, &s.qd))
     };
     let first = constants(&start);
-    let apart = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
     let mut state = start;
     let motion = accelerations(&body, |_, _: &[f64; 3], _: &[f64; 3]| [0.0; 3]);
     let distance = |_, s: &State<[f64; 3]>| s.q[0].hypot(s.q[1]);

@@ -1,6 +1,6 @@
 //! Figures 5.2 to 5.9: the guided landings of the thesis.
 
-use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, PlaneLine};
 use mbs_platform::limits::LegState;
 
 use super::flight::{Flight, Moment, PLACE};
@@ -39,21 +39,19 @@ pub fn path(flight: &Flight) -> Vec<Panel> {
         flight.moments.iter().map(|m| [m.state.q[0], m.state.q[1], m.state.q[2]]).chain([[x, y, z]]).collect();
     let from_a_side = |axis: usize, name: &str| {
         let points: Vec<(f64, f64)> = positions.iter().map(|place| (place[axis], place[2])).collect();
-        let (low, high) = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p.0), b.max(p.0)));
-        let room = 0.15 * (high - low);
         let (start, end) = (points[0], points[points.len() - 1]);
         let line = Line::new("", points).marked(start, "start").marked(end, format!("{time:.2} s"));
-        Panel::curves([&format!("{name} [m]"), "z [m], scales differ"], low - room..high + room, vec![line])
+        Panel::fitted([&format!("{name} [m]"), "z [m], scales differ"], 0.15, vec![line])
     };
     let offset = |[x, y, _]: [f64; 3]| [x - PLACE[0], y - PLACE[1]];
-    let above = Plane {
-        labels: ["x − 12 m [m]", "y − 7 m [m], from above"].map(String::from),
-        lines: vec![PlaneLine::new("", positions.iter().map(|place| offset(*place)).collect())],
-        marks: vec![(offset(positions[0]), "start".to_string())],
-    };
+    let above = Panel::plane(
+        ["x − 12 m [m]", "y − 7 m [m], from above"],
+        vec![PlaneLine::new("", positions.iter().map(|place| offset(*place)).collect())],
+        vec![(offset(positions[0]), "start".to_string())],
+    );
     let offsets: [Series; 2] = [("x − 12 m", |m| m.state.q[0] - PLACE[0]), ("y − 7 m", |m| m.state.q[1] - PLACE[1])];
     vec![
-        Panel::Row(vec![from_a_side(0, "x"), from_a_side(1, "y"), Panel::Plane(above)]),
+        Panel::Row(vec![from_a_side(0, "x"), from_a_side(1, "y"), above]),
         over(flight, "beside the middle of the platform [m]", 0.0..time, &offsets),
     ]
 }

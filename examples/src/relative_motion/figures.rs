@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use crate::{Failure, output};
-use mbs_chart::{Figure, Line, Panel, Plane, PlaneLine};
+use mbs_chart::{Figure, Line, Panel, PlaneLine};
 
 use super::flight::{Flight, ORBITS};
 
-/// What they rest on.
-const ASSUMED: [&str; 1] = ["orbit."];
+/// What the motions rest on.
+pub const ASSUMED: [&str; 1] = ["orbit."];
 
 /// File, title, the unit of length in metres with its name, the kind of station, and the motions drawn.
 type Drawing = (&'static str, &'static str, (f64, &'static str), &'static str, &'static [&'static str]);
@@ -46,10 +46,15 @@ fn words(name: &str) -> &str {
 /// Of all flights of a figure those `shown`; the others are lines without points, so that each has one style.
 fn plane((unit, name): (f64, &str), flights: &[&Flight], shown: std::ops::Range<usize>) -> Panel {
     // A path too short to be seen is a point with its name.
-    let standing = flights[shown.clone()].iter().filter(|flight| stands(flight)).map(|flight| {
-        let [x, y, _] = flight.case.start.q;
-        ([y / unit, x / unit], words(flight.case.name).to_string())
-    });
+    let marks = flights[shown.clone()]
+        .iter()
+        .filter(|flight| stands(flight))
+        .map(|flight| {
+            let [x, y, _] = flight.case.start.q;
+            ([y / unit, x / unit], words(flight.case.name).to_string())
+        })
+        .chain([([0.0, 0.0], "station".to_string())])
+        .collect();
     let line = |(i, flight): (usize, &&Flight)| {
         if !shown.contains(&i) {
             return PlaneLine::new("", Vec::new());
@@ -57,11 +62,8 @@ fn plane((unit, name): (f64, &str), flights: &[&Flight], shown: std::ops::Range<
         let points = flight.path.iter().map(|(_, state)| [state.q[1] / unit, state.q[0] / unit]).collect();
         PlaneLine::new(words(flight.case.name), points)
     };
-    Panel::Plane(Plane {
-        labels: [format!("along the track [{name}]"), format!("away from the Earth [{name}]")],
-        marks: standing.chain([([0.0, 0.0], "station".to_string())]).collect(),
-        lines: flights.iter().enumerate().map(line).collect(),
-    })
+    let labels = [format!("along the track [{name}]"), format!("away from the Earth [{name}]")];
+    Panel::plane(labels.each_ref().map(String::as_str), flights.iter().enumerate().map(line).collect(), marks)
 }
 
 /// A component or the distance over the orbits of the station.

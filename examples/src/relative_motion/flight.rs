@@ -1,6 +1,6 @@
 //! A motion over one orbit of the station, found in several ways.
 
-use crate::Failure;
+use crate::{Failure, numbers::apart};
 use mbs_models::relative_cylindrical::{Params, RelativeCylindrical};
 use mbs_orbit::EARTH_MU;
 use mbs_orbit::clohessy_wiltshire;
@@ -36,11 +36,6 @@ pub struct Flight {
 /// The one of all motions.
 pub fn integrator() -> Dop853 {
     Dop853::new(2.3e-14, 1e-13)
-}
-
-/// The greatest difference of a component.
-fn apart(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a.iter().zip(b).fold(0.0, |most, (a, b)| most.max((a - b).abs()))
 }
 
 /// Distance from the station.

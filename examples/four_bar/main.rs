@@ -6,10 +6,11 @@
 //!
 //! `--out DIR` draws the curve that the middle of the coupler goes through in a turn of the crank (SVG and PNG).
 
+mod figure;
+
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
-use mbs_chart::{Figure, Panel, Plane, PlaneLine};
 use mbs_examples::{Failure, arguments::Arguments, output};
 use mbs_models::four_bar::FourBar;
 use mbs_runtime::{
@@ -30,13 +31,13 @@ struct Options {
 }
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::<Options>::with_options(include_str!("four_bar.rs"));
+    let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let bars = FourBar::<f64>::default();
     let rest = rest(&bars)?;
     let linear = linear_period(&bars, &rest)?;
     let (swing, open) = swing(&bars, at(&bars, rest.q[CRANK] + arguments.options.amplitude)?)?;
     if let Some(folder) = arguments.folder()? {
-        output::write_figure(folder, "four_bar", &figure(&bars, &rest)?, &[])?;
+        output::write_figure(folder, "four_bar", &figure::turn(&bars, &rest)?, &[])?;
     }
     let crank = rest.q[CRANK];
     let results = json!({"rest": crank, "linear_period": linear, "period": swing, "largest_residual": open});
@@ -51,8 +52,13 @@ fn main() -> Result<(), Failure> {
 /// The linkage at rest with the crank at this angle, the other angles from a guess.
 fn at(bars: &FourBar<f64>, crank: f64) -> Result<State<[f64; 3]>, ConstraintError> {
     let mut state = State::new([crank, 0.9, 1.6], [0.0; 3]);
-    Projector::new([0.0; MEMORY]).assemble(bars, 0.0, &mut state, |i| i == CRANK)?;
+    close(bars, &mut state)?;
     Ok(state)
+}
+
+/// Moves all but the crank until the loop is closed.
+fn close(bars: &FourBar<f64>, state: &mut State<[f64; 3]>) -> Result<(), ConstraintError> {
+    Projector::new([0.0; MEMORY]).assemble(bars, 0.0, state, |i| i == CRANK)
 }
 
 /// Where the crank does not start by itself: bisection between two angles at which it starts towards each other.
@@ -90,39 +96,4 @@ fn swing(bars: &FourBar<f64>, start: State<[f64; 3]>) -> Result<(f64, f64), Inte
         ControlFlow::Continue(())
     })?;
     Ok((summary.time, open))
-}
-
-/// What the hinges and the middle of the coupler go through in a turn of the crank, and the bars at rest.
-fn figure(bars: &FourBar<f64>, rest: &State<[f64; 3]>) -> Result<Figure, Failure> {
-    const STEPS: usize = 240;
-    let mut state = *rest;
-    let mut turn = vec![state.q];
-    for step in 1..=STEPS {
-        // From the place before, on the same branch.
-        state.q[CRANK] = rest.q[CRANK] + TAU * step as f64 / STEPS as f64;
-        Projector::new([0.0; MEMORY]).assemble(bars, 0.0, &mut state, |i| i == CRANK)?;
-        turn.push(state.q);
-    }
-    let params = bars.params();
-    let along = |angle: f64, length: f64| [length * angle.cos(), length * angle.sin()];
-    let knee = |q: &[f64; 3]| along(q[0], params.l[0]);
-    let tip = |q: &[f64; 3]| {
-        let [x, z] = along(q[2], params.l[2]);
-        [params.ground + x, z]
-    };
-    let middle = |q: &[f64; 3]| {
-        let [x, _, z] = bars.coupler_point(q);
-        [x, z]
-    };
-    let path =
-        |name: &str, point: &dyn Fn(&[f64; 3]) -> [f64; 2]| PlaneLine::new(name, turn.iter().map(point).collect());
-    let lines = vec![
-        path("middle of the coupler", &middle),
-        path("crank and coupler", &knee),
-        path("coupler and rocker", &tip),
-        PlaneLine::new("bars at rest", vec![[0.0; 2], knee(&rest.q), tip(&rest.q), [params.ground, 0.0]]),
-    ];
-    let labels = ["x [m]", "z [m]"].map(String::from);
-    let panels = vec![Panel::Plane(Plane { labels, lines, marks: Vec::new() })];
-    Ok(Figure { title: "A turn of the crank".to_string(), size: (900, 700), panels })
 }

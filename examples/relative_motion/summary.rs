@@ -1,42 +1,12 @@
-//! How does an astronaut drift about an orbital station, 1000 km and 3 m away from it?
-//!
-//! Released at rest relative to the station, or on the station's own orbit; a station on a circle or an ellipse, with
-//! and without a mass of its own. Each motion is integrated in the station's axes by the generated equations, and found
-//! again as the difference of two Kepler motions. Look at the last table: it says what becomes of a thousandth of a
-//! millimetre, and with that whether the motion near the station is chaotic.
-//!
-//! `--out DIR` writes figures 7.3 and 7.4 and their like as SVG and PNG, and every motion as CSV.
+//! Where the motions lead to and how they grow, as JSON and as text.
 
-#[path = "relative_motion/sensitivity.rs"]
-mod sensitivity;
-
-use mbs_examples::relative_motion::cases::{self, Case};
-use mbs_examples::relative_motion::figures;
+use mbs_examples::relative_motion::cases::Case;
 use mbs_examples::relative_motion::flight::Flight;
-use mbs_examples::{Failure, arguments::Arguments};
-use mbs_orbit::EARTH_RADIUS;
 use serde_json::{Map, Value, json};
 
-/// What the motions rest on.
-const ASSUMED: [&str; 1] = ["orbit."];
+use crate::sensitivity::{Growth, OFFSET, PLAINLY};
 
-fn main() -> Result<(), Failure> {
-    let arguments = Arguments::of(include_str!("relative_motion.rs"));
-    let flights: Vec<Flight> = cases::all()?.into_iter().map(Flight::of).collect::<Result<_, _>>()?;
-    let growths = sensitivity::all()?;
-    for flight in &flights {
-        if let Some(warning) = flight.case.station.below(EARTH_RADIUS) {
-            eprintln!("warning: {}: {warning}", flight.case.name);
-        }
-    }
-    if let Some(folder) = arguments.folder()? {
-        figures::write(folder, &flights)?;
-    }
-    arguments.answer(to_json(&flights, &growths), &summary(&flights, &growths), &ASSUMED);
-    Ok(())
-}
-
-fn to_json(flights: &[Flight], growths: &[sensitivity::Growth]) -> Value {
+pub(crate) fn to_json(flights: &[Flight], growths: &[Growth]) -> Value {
     let mut groups = Map::new();
     for flight in flights {
         let group = groups.entry(flight.case.group).or_insert_with(|| json!({}));
@@ -44,11 +14,11 @@ fn to_json(flights: &[Flight], growths: &[sensitivity::Growth]) -> Value {
     }
     let hcw = flights.iter().find(|flight| flight.case.name == "near_radial").and_then(|flight| flight.hcw_difference);
     groups.insert("hcw_difference_m".into(), json!(hcw));
-    let growth = |growth: &sensitivity::Growth| {
+    let growth = |growth: &Growth| {
         json!({
             "case": growth.case,
             "station_mass_kg": growth.station_mass,
-            "initial_perturbation_m": sensitivity::OFFSET,
+            "initial_perturbation_m": OFFSET,
             "amplification_after_orbits": growth.amplification,
         })
     };
@@ -64,19 +34,19 @@ fn results(flight: &Flight) -> Value {
         "position_m": end.q,
         "velocity_m_s": end.qd,
     });
-    if let Some(difference) = flight.kepler_difference {
-        value["kepler_difference_m"] = json!(difference);
-    }
-    if let Some(difference) = flight.hcw_difference {
-        value["hcw_difference_m"] = json!(difference);
-    }
-    if let Some(difference) = flight.cylindrical_difference {
-        value["cylindrical_difference_m"] = json!(difference);
+    for (key, difference) in [
+        ("kepler_difference_m", flight.kepler_difference),
+        ("hcw_difference_m", flight.hcw_difference),
+        ("cylindrical_difference_m", flight.cylindrical_difference),
+    ] {
+        if let Some(difference) = difference {
+            value[key] = json!(difference);
+        }
     }
     value
 }
 
-fn summary(flights: &[Flight], growths: &[sensitivity::Growth]) -> String {
+pub(crate) fn text(flights: &[Flight], growths: &[Growth]) -> String {
     let mut text = String::from(
         "circular: 400 km above the Earth; elliptic: a = 7500 km, e = 0.1, from the perigee on; station_mass: circular, a point of 420 t\n\
          released at rest in the station's axes, but for far_same_orbit, near_2to1_ellipse, near_3d and near\n\
@@ -99,5 +69,5 @@ fn summary(flights: &[Flight], growths: &[sensitivity::Growth]) -> String {
         let factors: Vec<String> = growth.amplification.iter().map(|factor| format!("{factor:9.1}")).collect();
         text += &format!("{:<17} station of {:>6.0} t {}\n", growth.case, growth.station_mass / 1e3, factors.join(" "));
     }
-    text + sensitivity::PLAINLY
+    text + PLAINLY
 }
