@@ -1,4 +1,4 @@
-//! The same declaration gives the same bytes: twice in one process, and in another process.
+//! The same declaration gives the same bytes in another process, whatever was generated before it.
 
 use std::process::Command;
 
@@ -7,31 +7,39 @@ use mbs_derive::{emit, generate};
 /// Set in the process that this test starts: where it is to write what it generates.
 const CHILD: &str = "MBS_TESTS_DETERMINISM_CHILD";
 
-fn everything() -> String {
+type Source = (&'static str, &'static str);
+
+/// All mechanisms.
+fn sources() -> Vec<&'static Source> {
+    mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES).collect()
+}
+
+/// The module of each, generated in this order.
+fn modules<'a>(sources: impl Iterator<Item = &'a &'static Source>) -> Vec<String> {
     let options = emit::Options::default();
-    let sources = mbs_models::SOURCES.iter().chain(mbs_tests::mechanisms::SOURCES);
-    let modules = sources.map(|(module, source)| {
+    let module = |(module, source): &&Source| {
         let generated = generate(&format!("mechanisms/{module}.mbs"), source, &options);
         generated.unwrap_or_else(|e| panic!("{}", e.render(module, source))).code
-    });
-    modules.collect()
+    };
+    sources.map(module).collect()
 }
 
 #[test]
 fn two_processes_generate_the_same_bytes() {
     if let Some(file) = std::env::var_os(CHILD) {
-        std::fs::write(file, everything()).expect("writing to a temporary folder");
+        let mut backwards = modules(sources().iter().rev());
+        backwards.reverse();
+        std::fs::write(file, backwards.concat()).expect("writing to a temporary folder");
         return;
     }
-    let here = everything();
-    assert_eq!(here, everything(), "twice in one process");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = folder.path().join("generated.rs");
-    let status = Command::new(std::env::current_exe().expect("this test"))
+    let mut other = Command::new(std::env::current_exe().expect("this test"))
         .args(["--exact", "determinism::two_processes_generate_the_same_bytes"])
         .env(CHILD, &file)
-        .status()
+        .spawn()
         .expect("this test starts again");
-    assert!(status.success());
+    let here = modules(sources().iter()).concat();
+    assert!(other.wait().expect("the other process ends").success());
     assert!(here == std::fs::read_to_string(&file).expect("what the other process wrote"), "in two processes");
 }

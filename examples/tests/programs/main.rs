@@ -47,3 +47,21 @@ fn wrong_usage_is_refused_by_all() {
         }
     }
 }
+
+/// What no test here calls is called by CI, after the tests.
+#[test]
+fn every_example_is_run() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |file: std::path::PathBuf| std::fs::read_to_string(file).expect("a file");
+    let tests = std::fs::read_dir(folder.join("tests/programs")).expect("a folder");
+    let tests: String = tests.map(|file| read(file.expect("a file").path())).collect();
+    let after = read(folder.join("../.ci/run"));
+    let manifest = read(folder.join("Cargo.toml"));
+    let names = manifest.split("[[bin]]\nname = \"").skip(1).map(|bin| bin.split('"').next().expect("a name"));
+    let forgotten: Vec<&str> = names
+        .filter(|name| {
+            !tests.contains(&format!("\"CARGO_BIN_EXE_{name}\"")) && !after.contains(&format!("\n{name} --"))
+        })
+        .collect();
+    assert!(forgotten.is_empty() && manifest.matches("[[bin]]").count() > 30, "never run: {forgotten:?}");
+}
