@@ -86,7 +86,8 @@ impl<'g> Analysis<'g> {
     }
 
     fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics, left_out: LeftOut) -> Self {
-        let graph = Graph::new();
+        let is_long = left_out.mass_matrix && lagrangian.dof() > derive::FEW_COORDINATES;
+        let graph = if is_long { Graph::by_age() } else { Graph::new() };
         let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph, left_out));
         let nodes = lagrangian.graph.len() + graph.len();
         Analysis { sources, lagrangian, warnings, programs, nodes }
@@ -253,6 +254,7 @@ fn left_out(functions: Option<&[String]>) -> LeftOut {
         coriolis_matrix: none_of(&[CoriolisMatrix, Gravity]),
         inverse_dynamics_jacobian: none_of(&[InverseDynamicsJacobian]),
         linearization: none_of(&[Linearize, LinearizeParameters]),
+        mass_matrix: names.iter().all(|name| FunctionKind::OF_DYNAMICS.iter().any(|kind| kind.name() == name)),
     }
 }
 

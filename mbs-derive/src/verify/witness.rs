@@ -4,6 +4,7 @@ use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
 use crate::model::{Lagrangian, OutputValue};
 
+use super::group::Group;
 use super::tested::Tested;
 
 /// The declared scalars, ready to be evaluated over any kind of number.
@@ -27,7 +28,7 @@ struct Steps<V> {
     along_path: Vec<Dual<Dual<V>>>,
 }
 
-/// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
+/// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate, or along a direction of several.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LagrangeTerms<V> {
     /// `∂L/∂q̇`
@@ -114,11 +115,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         [0, 1, 2, 3].map(|i| values[i].value)
     }
 
-    /// Q
+    /// Q along each group of coordinates.
     pub(crate) fn forces<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<V> {
-        let direct = self.forces.run(moving(state, parameters));
-        let by_work = (0..direct.len()).map(|i| self.virtual_work(unit(i), state, parameters));
-        direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
+        let direct: Vec<V> = self.forces.run(moving(state, parameters)).iter().map(|q| q.value).collect();
+        let groups = Group::of_equations(direct.len());
+        groups.map(|group| group.sum(&direct) + self.virtual_work(group.direction(), state, parameters)).collect()
     }
 
     /// `Σ F · ∂v/∂q̇`, along a direction of the coordinates, over the forces on points and torques on bodies.
@@ -147,10 +148,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         self.frames.run(moving(state, parameters))
     }
 
-    /// The terms of Lagrange's equation of each coordinate.
+    /// The terms of Lagrange's equation along each group of coordinates.
     pub(crate) fn lagrange<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<LagrangeTerms<V>> {
         let steps = self.steps(state, parameters);
-        (0..state.q.len()).map(|i| self.lagrange_along(unit(i), &steps, state, parameters)).collect()
+        let groups = Group::of_equations(state.q.len());
+        groups.map(|group| self.lagrange_along(group.direction(), &steps, state, parameters)).collect()
     }
 
     /// All that the energies are computed of, at a state and along the motion.
@@ -215,11 +217,6 @@ impl<'l, 'g> Witness<'l, 'g> {
             dissipation_force: d.derivative.value,
         }
     }
-}
-
-/// Along one coordinate.
-fn unit<V: Tested>(chosen: usize) -> impl Fn(usize) -> V {
-    move |i| V::exact(f64::from(u8::from(i == chosen)))
 }
 
 /// A direction of the coordinates.

@@ -7,7 +7,7 @@ use super::super::expression::Tree;
 use super::super::name::{escaped, table};
 use super::super::walk::{Place, Side, Syntax, Walk, Wanted, Writer, plain};
 use super::shape::array_of;
-use super::{Module, segment};
+use super::{Module, loops, segment};
 
 /// At most this many fields are bound to locals; of more, each is read as `self.k12`.
 const FIELDS: usize = 8;
@@ -171,6 +171,10 @@ impl Syntax for Rust<'_, '_> {
 
     fn comment(&self, text: &str) -> String {
         marked(text)
+    }
+
+    fn rolled(&self, writer: &Writer<'_, '_>) -> Option<(Vec<String>, Vec<String>)> {
+        loops::lines(writer)
     }
 
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
