@@ -86,6 +86,7 @@ impl<'g> Analysis<'g> {
     }
 
     fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics, left_out: LeftOut) -> Self {
+        let left_out = of_many(&lagrangian, left_out);
         let is_long = left_out.mass_matrix && lagrangian.dof() > derive::FEW_COORDINATES;
         let graph = if is_long { Graph::by_age() } else { Graph::new() };
         let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph, left_out));
@@ -245,6 +246,20 @@ impl Mechanism {
     }
 }
 
+/// Of more coordinates than these nothing but the dynamics is derived of a chain, unless functions are asked for.
+const MANY_COORDINATES: usize = 100;
+
+/// What is not derived of a mechanism: where nothing is asked for, and there are many coordinates, all whose length
+/// grows with their square.
+fn of_many(lagrangian: &Lagrangian<'_>, left_out: LeftOut) -> LeftOut {
+    match left_out == LeftOut::default() && lagrangian.dof() > MANY_COORDINATES {
+        true => {
+            LeftOut { coriolis_matrix: true, inverse_dynamics_jacobian: true, linearization: true, mass_matrix: true }
+        }
+        false => left_out,
+    }
+}
+
 /// What is not derived where these functions are asked for.
 fn left_out(functions: Option<&[String]>) -> LeftOut {
     use FunctionKind::{CoriolisMatrix, Gravity, InverseDynamicsJacobian, Linearize, LinearizeParameters};
@@ -334,8 +349,8 @@ fn resolved<'g>(
 /// assert_eq!(torques.operations.flops(), 2); // q̈ + k x
 /// ```
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
-    let graph = Graph::new();
-    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph, LeftOut::default()))
+    let (graph, left_out) = (Graph::new(), of_many(lagrangian, LeftOut::default()));
+    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph, left_out))
 }
 
 #[cfg(test)]

@@ -54,7 +54,7 @@ use tree::Masses;
 
 /// Up to this many coordinates all that costs little is derived besides what is asked for; of longer chains that whose
 /// length is as that of the chain.
-pub(crate) const FEW_COORDINATES: usize = 50;
+pub(crate) const FEW_COORDINATES: usize = 30;
 
 impl Symbols {
     fn of(lagrangian: &Lagrangian<'_>) -> Symbols {

@@ -16,7 +16,7 @@ use super::statement::Statement;
 const FEW: usize = 4;
 
 /// A chain of more links than these is long.
-pub(super) const MANY: usize = 50;
+pub(super) const MANY: usize = 30;
 
 /// Whether a program is of a long chain.
 pub(super) fn are_many(program: &Program) -> bool {

@@ -80,8 +80,17 @@ fn printed(file: &syn::File, source: &str) -> String {
 fn spaced(text: &str) -> String {
     let begins_item = |line: &str| ["///", "#[", "pub ", "impl", "fn "].iter().any(|start| line.starts_with(start));
     let mut spaced = String::with_capacity(text.len());
-    let mut after_item = false;
+    let (mut after_item, mut table) = (false, None);
     for line in text.lines() {
+        if syntax::opens_table(line) {
+            table = Some(line);
+        }
+        if let Some(begin) = table.filter(|begin| *begin != line) {
+            if syntax::pack(&mut spaced, begin, line) {
+                continue;
+            }
+            table = None;
+        }
         if after_item && begins_item(line.trim_start()) {
             spaced.push('\n');
         }

@@ -1,6 +1,5 @@
 //! Columns of a Jacobian that are proved together, so that the proof of thousands of them stays linear.
 
-use crate::derive::FEW_COORDINATES;
 use crate::expr::Symbol;
 
 use super::tested::Tested;
@@ -8,6 +7,10 @@ use super::tested::Tested;
 /// Matrices of at most this many columns are proved column by column; of wider ones every column counts in one of this
 /// many sums.
 const GROUPS: usize = 8;
+
+/// Up to this many coordinates Lagrange's equations are proved one by one; of more by their product with a vector whose
+/// components have no relation.
+const FEW_EQUATIONS: usize = 50;
 
 /// Every `step`-th column from `first` on, each with its weight.
 ///
@@ -29,7 +32,7 @@ impl Group {
 
     /// Lagrange's equations of this many coordinates: one by one, or of a long mechanism all in one sum.
     pub(super) fn of_equations(width: usize) -> impl Iterator<Item = Group> {
-        let step = if width <= FEW_COORDINATES { width } else { 1 };
+        let step = if width <= FEW_EQUATIONS { width } else { 1 };
         (0..step).map(move |first| Group { first, step, width })
     }
 
@@ -86,7 +89,7 @@ mod tests {
             columns.sort();
             assert_eq!(columns, (0..width).collect::<Vec<_>>());
         }
-        assert_eq!(Group::of_equations(FEW_COORDINATES).map(|group| group.columns().count()).max(), Some(1));
+        assert_eq!(Group::of_equations(FEW_EQUATIONS).map(|group| group.columns().count()).max(), Some(1));
         assert_eq!(Group::of_equations(1000).map(|group| group.columns().count()).collect::<Vec<_>>(), [1000]);
         for group in Group::of(GROUPS) {
             assert_eq!(group.columns().map(|j| group.weight::<Rounded>(j)).collect::<Vec<_>>(), [Rounded::exact(1.0)]);

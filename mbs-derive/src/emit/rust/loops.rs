@@ -25,6 +25,8 @@ fn line(step: &Step, writer: &Writer<'_, '_>) -> String {
     match step {
         Step::Let(local, tree) => format!("let {} = {};", name(local), writer.print(tree)),
         Step::Keep(place, tree) => format!("{} = {};", name(place), writer.print(tree)),
+        Step::Link(link) => writer.syntax.comment(&format!("Link {link}.")),
+        Step::Links([first, last]) => writer.syntax.comment(&format!("Links {first} to {last}.")),
         Step::SinesAndCosines([sines, cosines], angles) => {
             format!("let ({sines}, {cosines}) = T::sin_cos_all({angles});")
         }
