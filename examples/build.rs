@@ -7,8 +7,8 @@ use std::path::Path;
 const CHAIN: &str = "../tests/mechanisms/n_chain.mbs";
 
 /// Their modules, and how many links they have.
-const CHAINS: [(&str, usize); 7] =
-    [("five", 5), ("ten", 10), ("twenty", 20), ("forty", 40), ("fifty", 50), ("two_hundred", 200), ("thousand", 1000)];
+const CHAINS: [(&str, usize); 6] =
+    [("five", 5), ("ten", 10), ("twenty", 20), ("forty", 40), ("fifty", 50), ("two_hundred", 200)];
 
 fn main() {
     for name in ["knife_edge", "chaplygin_sleigh", "rolling_coin"] {
