@@ -39,7 +39,7 @@ fn a_thousand_links_move_on_a_stack_of_a_mebibyte() {
     let generated = mbs_derive::generate("n_chain.mbs", &chain, &options);
     let code = generated.unwrap_or_else(|e| panic!("{}", e.render("n_chain.mbs", &chain))).code;
     assert!(code.len() < 1_000_000, "{} bytes", code.len());
-    let dependencies = "[dependencies]\nmbs-runtime = { path = \"../mbs-runtime\", features = [\"std\"] }\n";
+    let dependencies = "[dependencies]\nmbs-runtime = { path = \"../mbs/mbs-runtime\", features = [\"std\"] }\n";
     let crate_ = Downstream::new("rope", dependencies);
     crate_.write("src/chain.rs", &code);
     crate_.write("src/main.rs", PROGRAM);
