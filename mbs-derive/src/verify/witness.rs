@@ -150,9 +150,11 @@ impl<'l, 'g> Witness<'l, 'g> {
 
     /// The terms of Lagrange's equation along each group of coordinates.
     pub(crate) fn lagrange<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<LagrangeTerms<V>> {
-        let steps = self.steps(state, parameters);
-        let groups = Group::of_equations(state.q.len());
-        groups.map(|group| self.lagrange_along(group.direction(), &steps, state, parameters)).collect()
+        let groups: Vec<Group> = Group::of_equations(state.q.len()).collect();
+        // In one direction of all coordinates every step varies.
+        let steps = (groups.len() == state.q.len()).then(|| self.steps(state, parameters));
+        let along = |group: Group| self.lagrange_along(group.direction(), steps.as_ref(), state, parameters);
+        groups.into_iter().map(along).collect()
     }
 
     /// All that the energies are computed of, at a state and along the motion.
@@ -173,7 +175,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         parameters: &[V],
         multipliers: &[V],
     ) -> V {
-        let terms = self.lagrange_along(&direction, &self.steps(state, parameters), state, parameters);
+        let terms = self.lagrange_along(&direction, Some(&self.steps(state, parameters)), state, parameters);
         let work = self.virtual_work(&direction, state, parameters);
         // Of holonomic rows the slope in the coordinates is A, of Pfaffian ones that in the velocities.
         let parameters = lift_all(parameters);
@@ -187,11 +189,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         terms.momentum_rate - terms.position_gradient + terms.dissipation_force - work - constraint
     }
 
-    /// Only the steps that vary in the direction are computed.
+    /// Where the steps of the energies are known, those alone that vary in the direction are computed.
     fn lagrange_along<V: Tested>(
         &self,
         direction: impl Fn(usize) -> V,
-        steps: &Steps<V>,
+        steps: Option<&Steps<V>>,
         state: &State<V>,
         parameters: &[V],
     ) -> LagrangeTerms<V> {
@@ -204,12 +206,22 @@ impl<'l, 'g> Witness<'l, 'g> {
         // A velocity is the rate of its coordinate, too.
         let in_direction = |symbol| matches!(symbol, Symbol::Coordinate(i) | Symbol::Velocity(i) if varies(i));
         let point = moving(&twice, &twice_fixed);
-        let point = |symbol| in_direction(symbol).then(|| point(symbol));
-        let [l, _, _, d] = self.varied_energies(&steps.along_path, point);
+        let [l, _, _, d] = match steps {
+            Some(steps) => {
+                let point = |symbol| in_direction(symbol).then(|| point(symbol));
+                self.varied_energies(&steps.along_path, point)
+            }
+            None => self.energies(&twice, &twice_fixed),
+        };
         let varied = state.along(|symbol| in_coordinates(&direction, symbol));
         let point = moving(&varied, &once);
-        let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
-        let [l_varied, ..] = self.varied_energies(&steps.here, point);
+        let [l_varied, ..] = match steps {
+            Some(steps) => {
+                let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
+                self.varied_energies(&steps.here, point)
+            }
+            None => self.energies(&varied, &once),
+        };
         LagrangeTerms {
             momentum: l.derivative.value,
             momentum_rate: l.derivative.derivative,
