@@ -52,8 +52,8 @@ use lift::Lifted;
 use reaction::Reactions;
 use tree::Masses;
 
-/// Up to this many coordinates all that costs little is derived besides what is asked for; of longer chains that whose
-/// length is as that of the chain.
+/// Up to this many coordinates all that costs little is derived besides what is asked for; of longer chains what grows
+/// with their length alone.
 pub(crate) const FEW_COORDINATES: usize = 30;
 
 impl Symbols {

@@ -44,8 +44,7 @@ const WIDEST: usize = 6;
 pub(super) struct Body<'n> {
     pub(super) names: &'n Names,
     pub(super) scope: Scope,
-    /// Whether it is of a chain so long that its links are written alike, and the same of them once: what numbers and
-    /// names would take is not looked at.
+    /// Whether it is of a long chain, whose links are written alike: how long numbers and names are is not looked at.
     pub(super) is_of_long_chain: bool,
     /// What the familiar constants are called.
     pub(super) familiar: [String; FAMILIAR.len()],

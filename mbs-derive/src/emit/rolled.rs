@@ -31,10 +31,10 @@ const LONGEST_TURN: usize = 4;
 /// A loop has at least this many turns.
 const FEWEST_TURNS: usize = 4;
 
-/// A number that so few groups have otherwise needs no table: they stay as they are.
+/// Where at most this many groups have another number than all others, these stay as they are, and no table is needed.
 const OTHERWISE: usize = 3;
 
-/// Of ends that differ from the rest this many are looked for.
+/// In this many rounds at most, groups at the ends that differ from the rest are set apart.
 const ROUNDS: usize = 40;
 
 /// A body in loops.
@@ -250,7 +250,7 @@ impl Parts {
         runs
     }
 
-    /// The run from a group on whose turns are of so many groups.
+    /// The run from a group on whose turns are of `period` groups, if it is long enough.
     fn run(&self, start: usize, period: usize, excluded: &[bool]) -> Option<Run> {
         let step = self.groups.get(start + 1)?.number - self.groups[start].number;
         let belongs = |end: &usize| {

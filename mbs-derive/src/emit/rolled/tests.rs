@@ -3,7 +3,7 @@ use crate::Analysis;
 use crate::expr::Graph;
 use crate::source::Sources;
 
-/// A chain of so many links about skew axes, an arm that is heavier at its end.
+/// A chain of links about skew axes.
 fn chain(links: usize) -> String {
     format!(
         "mechanism Chain {{
