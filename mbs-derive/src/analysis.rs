@@ -399,4 +399,26 @@ mod tests {
         assert_eq!(name, "forward_dinamics");
         assert!(known.contains(&"linearize".to_string()), "{known:?}");
     }
+
+    /// Matrices of a thousand coordinates are nothing that one derives in passing.
+    #[test]
+    fn of_many_links_the_dynamics_alone_is_derived() {
+        let chain = |links: usize| {
+            format!(
+                "mechanism Chain {{ coord q[{links}]: rad; let mut link = world; for i in 0..{links} {{
+                    link = link * rot_z(q[i]) * rot_x(1) * translation([1 m, 0 m, 0 m]);
+                    kinetic += rigid_body(2 kg, [1 m, 2 m, 3 m], inertia(9, 8, 7, 1, 2, 3)*(1 kg*m^2), link);
+                }} }}"
+            )
+        };
+        let functions = |links: usize, asked: Option<&str>| {
+            let options = Options { functions: asked.map(|name| vec![name.to_string()]), ..Options::default() };
+            generate("chain.mbs", &chain(links), &options).unwrap_or_else(|e| panic!("{e:?}")).code
+        };
+        let has = |code: &str, name: &str| code.contains(&format!("pub fn {name}("));
+        let dynamics = functions(MANY_COORDINATES + 1, None);
+        assert!(FunctionKind::OF_DYNAMICS.iter().all(|kind| has(&dynamics, kind.name())));
+        assert!(!has(&dynamics, "mass_matrix") && !has(&dynamics, "linearize"));
+        assert!(has(&functions(derive::FEW_COORDINATES + 1, Some("momentum")), "momentum"));
+    }
 }
