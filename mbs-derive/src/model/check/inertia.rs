@@ -68,7 +68,11 @@ fn momenta(sum: Expr<'_>, n: usize) -> Tape {
         Symbol::Time => Some(graph.integer(1)),
         Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
         Symbol::Prescribed(i, order) => Some(graph.symbol(Symbol::Prescribed(i, order + 1))),
-        _ => None,
+        Symbol::Velocity(_)
+        | Symbol::Acceleration(_)
+        | Symbol::Parameter(_)
+        | Symbol::Input(_)
+        | Symbol::Multiplier(_) => None,
     };
     let carried = carry_out(&[sum], &graph, rate)[0];
     Tape::new(&gradient(carried, &(0..n as u32).map(Symbol::Velocity).collect::<Vec<_>>()))
@@ -162,6 +166,39 @@ mod tests {
         let [mass, row] = [mass.as_slice(), &row].map(|numbers| numbers.iter().copied().map(Rounded::exact).collect());
         let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row, &[0]), 3);
         i32::from(found.smallest > rounding) - i32::from(found.smallest < -rounding)
+    }
+
+    /// `½ Σ (i + 1) vᵢ² + vᵢ vᵢ₊₁`, with rates and velocities.
+    #[test]
+    fn the_gradient_of_many_velocities_gives_what_polarization_does() {
+        let (graph, n) = (Graph::verbatim(), FEW + 1);
+        let rate = |i: usize| graph.symbol(Symbol::Coordinate(i as u32)).rate();
+        let velocity = |i: usize| graph.symbol(Symbol::Velocity(i as u32));
+        let term = |i: usize| rate(i) * velocity(i) * (i as i64 + 1) / 2 + rate(i) * rate((i + 1) % n);
+        let motion = Motion::new((1..n).fold(term(0), |sum, i| sum + term(i)), n);
+        let at = |velocity: &dyn Fn(u32) -> f64, symbol| match symbol {
+            Symbol::Coordinate(i) => Dual::new(0.3, velocity(i)),
+            Symbol::Velocity(i) => Dual::fixed(velocity(i)),
+            other => unreachable!("{other:?}"),
+        };
+        assert!(motion.momenta.is_some());
+        assert_eq!(motion.mass_matrix(n, at), motion.by_polarization(n, at));
+    }
+
+    #[test]
+    fn of_many_coordinates_one_without_inertia_or_with_a_negative_one_is_found() {
+        let report = |kinetic: &str| {
+            let text = format!(
+                "#![dimensionless] mechanism A {{ coord q[101]: 1; for i in 0..100 {{ kinetic += dt(q[i])^2; }} \
+                 potential += q[100]^2; kinetic += {kinetic}; }}"
+            );
+            let graph = Graph::verbatim();
+            crate::declared(&text, &graph, &[]).err().map(|found| found.render("a", &text)).unwrap_or_default()
+        };
+        assert_eq!(report("dt(q[100])^2"), "");
+        assert!(report("dt(q[0])^2").contains("coordinate `q[100]` has no inertia"), "{}", report("dt(q[0])^2"));
+        let negative = report("dt(q[100])^2 - 1000000*dt(q[7])^2*cos(q[3])^2");
+        assert!(negative.contains("negative"), "{negative}");
     }
 
     #[test]
