@@ -1,9 +1,9 @@
 //! How do equations grow with the number of links?
 //!
-//! Chains of 5, 10, 20 and 40 links about skew axes (`tests/mechanisms/n_chain.mbs`): how long it takes to derive and
-//! prove inverse and forward dynamics, how long the generated code is, and how long a call takes, beside the general
+//! Chains of 5 to 200 links about skew axes (`tests/mechanisms/n_chain.mbs`): how long it takes to derive and prove
+//! inverse and forward dynamics, how long the generated code is, and how long a call takes, beside the general
 //! algorithms of [`featherstone`] on nalgebra for as many hinges. Look at what a further link costs: the same whether
-//! it is the tenth or the fortieth.
+//! it is the tenth or the two hundredth, and of code no more than numbers in tables.
 
 #[path = "speed/featherstone.rs"]
 #[expect(dead_code, reason = "`speed` times more of its algorithms")]
@@ -46,6 +46,8 @@ fn main() -> Result<(), Failure> {
         growth(chains::ten::NChain::<f64>::default())?,
         growth(chains::twenty::NChain::<f64>::default())?,
         growth(chains::forty::NChain::<f64>::default())?,
+        growth(chains::fifty::NChain::<f64>::default())?,
+        growth(chains::two_hundred::NChain::<f64>::default())?,
     ];
     let report = json!({ "n_chain": chains.iter().map(Growth::to_json).collect::<Vec<_>>() });
     if let Some(folder) = &arguments.out {
@@ -83,6 +85,8 @@ chain!(five, 5);
 chain!(ten, 10);
 chain!(twenty, 20);
 chain!(forty, 40);
+chain!(fifty, 50);
+chain!(two_hundred, 200);
 
 /// Derives a chain once more, and times what was generated of it when this program was built.
 fn growth<const N: usize>(chain: impl Chain<N>) -> Result<Growth, Failure> {

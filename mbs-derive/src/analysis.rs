@@ -86,7 +86,9 @@ impl<'g> Analysis<'g> {
     }
 
     fn new(sources: Sources, lagrangian: Lagrangian<'g>, warnings: Diagnostics, left_out: LeftOut) -> Self {
-        let graph = Graph::new();
+        let left_out = of_many(&lagrangian, left_out);
+        let is_long = left_out.mass_matrix && lagrangian.dof() > derive::FEW_COORDINATES;
+        let graph = if is_long { Graph::by_age() } else { Graph::new() };
         let programs = optimise::straight_line(&lagrangian, &derive::routes(&lagrangian, &graph, left_out));
         let nodes = lagrangian.graph.len() + graph.len();
         Analysis { sources, lagrangian, warnings, programs, nodes }
@@ -244,6 +246,20 @@ impl Mechanism {
     }
 }
 
+/// Of more coordinates than these nothing but the dynamics is derived of a chain, unless functions are asked for.
+const MANY_COORDINATES: usize = 100;
+
+/// What is not derived of a mechanism: where nothing is asked for, and there are many coordinates, all whose length
+/// grows with their square.
+fn of_many(lagrangian: &Lagrangian<'_>, left_out: LeftOut) -> LeftOut {
+    match left_out == LeftOut::default() && lagrangian.dof() > MANY_COORDINATES {
+        true => {
+            LeftOut { coriolis_matrix: true, inverse_dynamics_jacobian: true, linearization: true, mass_matrix: true }
+        }
+        false => left_out,
+    }
+}
+
 /// What is not derived where these functions are asked for.
 fn left_out(functions: Option<&[String]>) -> LeftOut {
     use FunctionKind::{CoriolisMatrix, Gravity, InverseDynamicsJacobian, Linearize, LinearizeParameters};
@@ -253,6 +269,7 @@ fn left_out(functions: Option<&[String]>) -> LeftOut {
         coriolis_matrix: none_of(&[CoriolisMatrix, Gravity]),
         inverse_dynamics_jacobian: none_of(&[InverseDynamicsJacobian]),
         linearization: none_of(&[Linearize, LinearizeParameters]),
+        mass_matrix: names.iter().all(|name| FunctionKind::OF_DYNAMICS.iter().any(|kind| kind.name() == name)),
     }
 }
 
@@ -332,8 +349,8 @@ fn resolved<'g>(
 /// assert_eq!(torques.operations.flops(), 2); // q̈ + k x
 /// ```
 pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
-    let graph = Graph::new();
-    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph, LeftOut::default()))
+    let (graph, left_out) = (Graph::new(), of_many(lagrangian, LeftOut::default()));
+    optimise::straight_line(lagrangian, &derive::routes(lagrangian, &graph, left_out))
 }
 
 #[cfg(test)]
@@ -381,5 +398,27 @@ mod tests {
         let Err(Error::UnknownFunction { name, known }) = generated(&sources, &options) else { panic!("a wrong name") };
         assert_eq!(name, "forward_dinamics");
         assert!(known.contains(&"linearize".to_string()), "{known:?}");
+    }
+
+    /// Matrices of a thousand coordinates are nothing that one derives in passing.
+    #[test]
+    fn of_many_links_the_dynamics_alone_is_derived() {
+        let chain = |links: usize| {
+            format!(
+                "mechanism Chain {{ coord q[{links}]: rad; let mut link = world; for i in 0..{links} {{
+                    link = link * rot_z(q[i]) * rot_x(1) * translation([1 m, 0 m, 0 m]);
+                    kinetic += rigid_body(2 kg, [1 m, 2 m, 3 m], inertia(9, 8, 7, 1, 2, 3)*(1 kg*m^2), link);
+                }} }}"
+            )
+        };
+        let functions = |links: usize, asked: Option<&str>| {
+            let options = Options { functions: asked.map(|name| vec![name.to_string()]), ..Options::default() };
+            generate("chain.mbs", &chain(links), &options).unwrap_or_else(|e| panic!("{e:?}")).code
+        };
+        let has = |code: &str, name: &str| code.contains(&format!("pub fn {name}("));
+        let dynamics = functions(MANY_COORDINATES + 1, None);
+        assert!(FunctionKind::OF_DYNAMICS.iter().all(|kind| has(&dynamics, kind.name())));
+        assert!(!has(&dynamics, "mass_matrix") && !has(&dynamics, "linearize"));
+        assert!(has(&functions(derive::FEW_COORDINATES + 1, Some("momentum")), "momentum"));
     }
 }

@@ -179,6 +179,7 @@ catalogue! {
                 let forward = &e.forward_dynamics;
                 match &forward.unrolled {
                     Some(accelerations) => Roots::accelerations(accelerations),
+                    None if e.left_out.mass_matrix => None,
                     None => {
                         Roots::of(Shape::Vector(e.symbols.q.len()), forward.right_side.clone())?.solved_by(forward)
                     }
@@ -471,6 +472,7 @@ pub(crate) fn functions<'g>(equations: &Equations<'g>) -> Vec<(FunctionKind, Roo
     let kinds = FunctionKind::OF_MECHANISM.iter().map(|&kind| (kind, 0));
     let kinds = kinds.chain(of_each(FunctionKind::OF_OUTPUT, equations.outputs.len()));
     let kinds = kinds.chain(of_each(FunctionKind::OF_REACTION, equations.reactions.len()));
+    let kinds = kinds.filter(|(kind, _)| !equations.left_out.mass_matrix || FunctionKind::OF_DYNAMICS.contains(kind));
     kinds.filter_map(|(kind, number)| Some((kind, (kind.entry().roots)(equations, number)?))).collect()
 }
 
@@ -485,6 +487,16 @@ pub(crate) fn names_of_output(output: &str) -> Vec<String> {
 }
 
 impl FunctionKind {
+    /// Energies, forces and dynamics: the functions that are as long as their mechanism.
+    pub(crate) const OF_DYNAMICS: [FunctionKind; 6] = [
+        FunctionKind::KineticEnergy,
+        FunctionKind::PotentialEnergy,
+        FunctionKind::DissipationForce,
+        FunctionKind::GeneralizedForce,
+        FunctionKind::InverseDynamics,
+        FunctionKind::ForwardDynamics,
+    ];
+
     /// The name of the function; of an output's or a reaction's what stands behind their own.
     pub fn name(self) -> &'static str {
         self.entry().name

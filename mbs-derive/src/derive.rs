@@ -52,6 +52,10 @@ use lift::Lifted;
 use reaction::Reactions;
 use tree::Masses;
 
+/// Up to this many coordinates all that costs little is derived besides what is asked for; of longer chains what grows
+/// with their length alone.
+pub(crate) const FEW_COORDINATES: usize = 30;
+
 impl Symbols {
     fn of(lagrangian: &Lagrangian<'_>) -> Symbols {
         let n = lagrangian.dof() as u32;
@@ -103,10 +107,21 @@ pub(crate) fn derived_by<'g>(
     let (symbols, energies) = (&symbols, &energies);
     let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
+    let is_left_out = left_out.mass_matrix && is_long_chain && symbols.q.len() > FEW_COORDINATES;
+    let left_out = LeftOut { mass_matrix: is_left_out && lagrangian.constraints.is_empty(), ..left_out };
     let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
-    let rest = lifted.as_ref().map(|lifted| lagrange::equations(&lifted.rest, symbols, left_out));
-    let by_bodies =
-        |masses| Some(tree::equations(lifted.as_ref()?, masses, energies, rest.as_ref()?, symbols, left_out));
+    let rest_of = |lifted: &Lifted<'g>, left_out| lagrange::equations(&lifted.rest, symbols, left_out);
+    let rest = lifted.as_ref().map(|lifted| rest_of(lifted, left_out));
+    let by_bodies = |masses| {
+        let (lifted, rest) = (lifted.as_ref()?, rest.as_ref()?);
+        let found = tree::equations(lifted, masses, energies, rest, symbols, left_out);
+        if !left_out.mass_matrix || found.accelerations.is_some() {
+            return Some(found);
+        }
+        // Nothing but M gives the accelerations.
+        let left_out = LeftOut { mass_matrix: false, ..left_out };
+        Some(tree::equations(lifted, masses, energies, &rest_of(lifted, left_out), symbols, left_out))
+    };
     let (kept, nothing) = (energies.factors(), Kept::default());
     let turned = kept.turned_sums_multiplied_out();
     // As in a textbook in two ways, where there are two.
@@ -132,7 +147,8 @@ pub(crate) fn derived_by<'g>(
     let mut found: Vec<_> =
         ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
     // Reactions come last, so that all else is the same without them.
-    if let Some(reactions) = Reactions::of(lagrangian, graph) {
+    let asks_for_all = found.iter().all(|equations| !equations.left_out.mass_matrix);
+    if let Some(reactions) = asks_for_all.then(|| Reactions::of(lagrangian, graph)).flatten() {
         for equations in &mut found {
             let wrenches = reactions.by(equations.route).or_else(|| reactions.by(Route::Plain)).unwrap_or_default();
             let wrenches = lagrangian.reactions.iter().zip(wrenches).map(|(reaction, values)| Wrenches {
@@ -162,6 +178,7 @@ impl<'g> Mechanism<'_, '_, 'g> {
     /// Everything that follows from Lagrange's equations.
     fn equations(&self, route: Route, kept: &Kept, lagrange: Lagrange<'g>) -> Equations<'g> {
         let &Mechanism { lagrangian, left_out, symbols, energies, ref constraints, ref exact, ref outputs } = self;
+        let left_out = LeftOut { mass_matrix: lagrange.mass_matrix.is_empty(), ..left_out };
         let form = route.form(kept);
         let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
         let forward_dynamics = match route {
@@ -170,8 +187,14 @@ impl<'g> Mechanism<'_, '_, 'g> {
         };
         let (inverse_dynamics_jacobian, linearization) =
             linearize::derivatives(&lagrange, &forward_dynamics, form, constraints, symbols, left_out);
-        let conserved = conserved::conserved(&lagrange, energies, constraints, exact, symbols);
         let graph = lagrange.kinetic_energy.graph();
+        let (conserved, outputs) = match left_out.mass_matrix {
+            true => (Vec::new(), Vec::new()),
+            false => (
+                conserved::conserved(&lagrange, energies, constraints, exact, symbols),
+                outputs.get_or_init(|| output::outputs(lagrangian, graph, symbols)).clone(),
+            ),
+        };
         Equations {
             route,
             left_out,
@@ -182,7 +205,7 @@ impl<'g> Mechanism<'_, '_, 'g> {
             linearization,
             constraints: constraints.clone(),
             conserved,
-            outputs: outputs.get_or_init(|| output::outputs(lagrangian, graph, symbols)).clone(),
+            outputs,
             reactions: Vec::new(),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! - `walk`: what all languages have in common: which statements stand where, with which names;
 //! - `body`: one function body: bindings, then the result; `statement`: what it is made of;
-//! - `links`: statements of one link together;
+//! - `links`: statements of one link together; `rolled`: those of long chains in loops over the links;
 //! - `angles`: which sines and cosines one call computes;
 //! - `expression`: values: order of operands, products that sums use;
 //! - `shape`: the components of results;
@@ -21,6 +21,7 @@ mod identifiers;
 mod language;
 mod links;
 mod name;
+mod rolled;
 mod rust;
 mod script;
 mod shape;

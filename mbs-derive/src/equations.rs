@@ -70,6 +70,8 @@ pub(crate) struct LeftOut {
     pub inverse_dynamics_jacobian: bool,
     /// Those of forward dynamics, in the parameters too.
     pub linearization: bool,
+    /// M, and what is neither needed nor proved without it: of a long chain all but its dynamics.
+    pub mass_matrix: bool,
 }
 
 /// Everything that is generated for a mechanism, as roots in one graph.
@@ -108,7 +110,7 @@ pub(crate) struct Lagrange<'g> {
     pub potential_energy: Expr<'g>,
     /// `p = ∂L/∂q̇`
     pub momentum: Vec<Expr<'g>>,
-    /// `M = ∂²L/∂q̇²`
+    /// `M = ∂²L/∂q̇²`; no rows where it is left out.
     pub mass_matrix: Rows<'g>,
     /// C
     pub coriolis_matrix: Rows<'g>,

@@ -36,7 +36,7 @@ mod witness;
 use std::collections::BTreeSet;
 use std::fmt;
 
-use crate::catalogue::Claim;
+use crate::catalogue::{Claim, FunctionKind};
 use crate::derive::time_derivative;
 use crate::diagnostic::{Code, Diagnostics};
 use crate::expr::{Expr, Graph, Id, Node, Rounded, Symbol, carry_out};
@@ -314,6 +314,10 @@ impl Prover<'_, '_, '_, '_> {
             return Ok(false);
         }
         let trial = Trial::new(self.witness, self.derivation, &state, &parameters);
+        if self.derivation.function(FunctionKind::MassMatrix).is_none() && !trial.has_accelerations() {
+            self.coverage.meet(at, with);
+            return Ok(false);
+        }
         let (none, few) = (BTreeSet::new(), self.states < STATES_OF_KNOWN);
         let known = if few { &none } else { self.known };
         let proved = trial.prove(known).and_then(|()| {

@@ -14,6 +14,7 @@ mod proof;
 mod readable;
 mod reference;
 mod robustness;
+mod rope;
 mod structured;
 mod textbook;
 mod ui;

@@ -13,7 +13,10 @@ pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols, left_out
     let dissipation_force = gradient(energies.dissipation, &symbols.qd); // ∂D/∂q̇
 
     // L = ½ q̇ᵀ M q̇ + aᵀ q̇ + L₀
-    let mass_matrix: Rows<'g> = hessian(l, &symbols.qd).iter().map(|row| at_rest(row)).collect();
+    let mass_matrix: Rows<'g> = match left_out.mass_matrix {
+        true => Rows::new(),
+        false => hessian(l, &symbols.qd).iter().map(|row| at_rest(row)).collect(),
+    };
     let a = at_rest(&momentum);
     let rest = at_rest(&[l])[0];
     let bias = sub(&rate_without_acceleration(&momentum), &position_gradient);

@@ -47,7 +47,10 @@ impl Lifted<'_> {
 /// Lagrange's equations are about all quaternions. So does an inertia that no body has: regrouping would lose its
 /// digits.
 pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, graph: &'g Graph) -> Option<Lifted<'g>> {
-    let is_tree = |frame: FrameId| !lagrangian.frames.path(frame).iter().any(is_quaternion);
+    let is_tree = |frame: FrameId| {
+        let mut way = lagrangian.frames.way_to_world(frame);
+        !way.any(|at| at.edge.as_ref().is_some_and(is_quaternion))
+    };
     let (bodies, mut other_kinetic) = lagrangian.landmarks.bodies_of(&lagrangian.kinetic, is_tree);
     let is_physical = |body: &Body<'_>| is_tree(body.frame) && !is_impossible(body.inertia);
     let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);

@@ -27,7 +27,7 @@ pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constr
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let (mass_matrix, jacobian) = (lagrange.mass_matrix.clone(), constraints.jacobian.clone());
-    let is_unrolled = jacobian.is_empty() && mass_matrix.len() <= LARGEST_UNROLLED;
+    let is_unrolled = jacobian.is_empty() && (1..=LARGEST_UNROLLED).contains(&mass_matrix.len());
     let factorization = is_unrolled.then(|| Factorization::new(&mass_matrix));
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
     let articulated = lagrange.accelerations.clone().filter(|_| jacobian.is_empty());

@@ -35,8 +35,10 @@ mod trial;
 mod twist;
 mod wrench;
 
+use std::collections::BTreeMap;
+
 use crate::expr::normal::weight;
-use crate::expr::{Expr, Symbol, Tangent, Vector, gradient};
+use crate::expr::{Expr, Node, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
@@ -67,6 +69,9 @@ pub(super) fn equations<'g>(
     left_out: LeftOut,
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
+    if left_out.mass_matrix {
+        return tree.dynamics(energies, rest, symbols);
+    }
     let bias = add(&tree.bias(), &rest.bias);
     let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
     // L with T written shorter.
@@ -131,8 +136,8 @@ struct Tree<'g> {
     dampers: Vec<Load<'g>>,
     /// The links behind a moving edge, in order.
     moving: Vec<usize>,
-    /// `S = ∂s/∂q`, a row per moving edge, s its displacement.
-    joint_jacobian: Rows<'g>,
+    /// `S = ∂s/∂q`, of each moving edge what is not zero, with the numbers of the coordinates; s is its displacement.
+    joint_jacobian: Vec<Vec<(usize, Expr<'g>)>>,
     /// The number of coordinates; no edge moves where all bodies rest.
     coordinates: usize,
 }
@@ -167,8 +172,8 @@ impl<'g> Tree<'g> {
         let dampers = loads_of(&lifted.dampers, &damper_anchors);
         let displacement = |link: usize| linkage.links[link].edge?.displacement();
         let moving: Vec<usize> = (0..linkage.links.len()).filter(|&link| displacement(link).is_some()).collect();
-        let joint_jacobian =
-            moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &symbols.q)).collect();
+        let numbers = symbols.q.iter().enumerate().map(|(k, &symbol)| (symbol, k)).collect();
+        let joint_jacobian = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &numbers)).collect();
         let gravity = lifted.gravity;
         let coordinates = symbols.q.len();
         Tree { linkage, inertias, drags, twists, gravity, loads, springs, dampers, moving, joint_jacobian, coordinates }
@@ -181,6 +186,27 @@ impl<'g> Tree<'g> {
 
     fn is_damped(&self) -> bool {
         !self.dampers.is_empty() || self.drags.iter().any(|drag| !drag.is_zero())
+    }
+
+    /// T, V, the forces and the dynamics, without M and what is made of it: all that grows with the number of links.
+    fn dynamics(&self, energies: &Energies<'g>, rest: &Lagrange<'g>, symbols: &Symbols) -> Lagrange<'g> {
+        let dissipation_force = gradient(energies.dissipation, &symbols.qd);
+        Lagrange {
+            kinetic_energy: self.kinetic_energy() + rest.kinetic_energy,
+            potential_energy: energies.potential,
+            inverse_dynamics: add(&self.inverse_dynamics(), &rest.inverse_dynamics),
+            dissipation_force: cheaper(dissipation_force, add(&self.dissipation_force(), &rest.dissipation_force)),
+            generalized_force: cheaper(energies.forces.clone(), add(&self.applied_forces(), &rest.generalized_force)),
+            accelerations: self.accelerations(rest),
+            momentum: Vec::new(),
+            mass_matrix: Rows::new(),
+            coriolis_matrix: Rows::new(),
+            gravity: Vec::new(),
+            bias: Vec::new(),
+            residual: Vec::new(),
+            free_force: Vec::new(),
+            position_gradient: Vec::new(),
+        }
     }
 
     /// T of the bodies.
@@ -216,13 +242,19 @@ impl<'g> Tree<'g> {
     /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing else has inertia.
     fn accelerations(&self, rest: &Lagrange<'g>) -> Option<Vec<Expr<'g>>> {
         let one = self.gravity.0[0].graph().integer(1);
-        let coordinate = |slope: &Vec<Expr<'g>>| {
-            let moved: Vec<usize> = (0..slope.len()).filter(|&k| !slope[k].is_zero()).collect();
-            <[usize; 1]>::try_from(moved).ok().map(|[k]| k).filter(|&k| slope[k] == one)
+        let coordinate = |slopes: &Vec<(usize, Expr<'g>)>| match slopes.as_slice() {
+            &[(k, slope)] if slope == one => Some(k),
+            _ => None,
         };
         let coordinates: Vec<usize> = self.joint_jacobian.iter().map(coordinate).collect::<Option<_>>()?;
-        let is_moved = |k: usize| coordinates.iter().filter(|&&other| other == k).count() == 1;
-        if !(0..self.coordinates).all(is_moved) || !rest.mass_matrix.iter().flatten().all(|entry| entry.is_zero()) {
+        let mut joints: Vec<Option<usize>> = vec![None; self.coordinates];
+        for (joint, &k) in coordinates.iter().enumerate() {
+            if joints[k].replace(joint).is_some() {
+                return None;
+            }
+        }
+        let joints: Vec<usize> = joints.into_iter().collect::<Option<_>>()?;
+        if !rest.mass_matrix.iter().flatten().all(|entry| entry.is_zero()) {
             return None;
         }
         let mut forces = vec![None; self.linkage.links.len()];
@@ -231,9 +263,7 @@ impl<'g> Tree<'g> {
         }
         let wrenches = less(self.resisted(self.inertial(Accelerations::Zero)), self.applied());
         let found = articulated::accelerations(&self.linkage, &self.inertias, wrenches, &forces);
-        let of =
-            |k: usize| coordinates.iter().position(|&other| other == k).and_then(|joint| found[self.moving[joint]]);
-        (0..self.coordinates).map(of).collect()
+        joints.into_iter().map(|joint| found[self.moving[joint]]).collect()
     }
 
     fn inertial(&self, accelerations: Accelerations) -> Vec<Wrench<'g>> {
@@ -292,7 +322,13 @@ impl<'g> Tree<'g> {
 
     /// Ṡ
     fn joint_jacobian_rate(&self) -> Rows<'g> {
-        self.joint_jacobian.iter().map(|row| row.iter().map(|&e| linkage::rate(e)).collect()).collect()
+        let zero = self.gravity.0[0].graph().integer(0);
+        let row = |slopes: &Vec<(usize, Expr<'g>)>| {
+            let mut row = vec![zero; self.coordinates];
+            slopes.iter().for_each(|&(k, slope)| row[k] = linkage::rate(slope));
+            row
+        };
+        self.joint_jacobian.iter().map(row).collect()
     }
 
     /// `Sᵀ A S`
@@ -311,8 +347,11 @@ impl<'g> Tree<'g> {
     /// `Sᵀ f`: what forces along the joints are along the coordinates.
     fn on_coordinates(&self, forces: &[Expr<'g>]) -> Vec<Expr<'g>> {
         let zero = self.gravity.0[0].graph().integer(0);
-        let on = |k: usize| forces.iter().zip(&self.joint_jacobian).fold(zero, |sum, (&f, slope)| sum + slope[k] * f);
-        (0..self.coordinates).map(on).collect()
+        let mut on_coordinates = vec![zero; self.coordinates];
+        for (&force, slopes) in forces.iter().zip(&self.joint_jacobian) {
+            slopes.iter().for_each(|&(k, slope)| on_coordinates[k] = on_coordinates[k] + slope * force);
+        }
+        on_coordinates
     }
 }
 
@@ -321,10 +360,17 @@ fn less<'g>(a: Vec<Wrench<'g>>, b: Vec<Wrench<'g>>) -> Vec<Wrench<'g>> {
     a.into_iter().zip(b).map(|(a, b)| a.minus(b)).collect()
 }
 
-/// `∂e/∂q`
-fn slope<'g>(e: Expr<'g>, q: &[Symbol]) -> Vec<Expr<'g>> {
-    let one = e.graph().integer(1);
-    q.iter().map(|&symbol| Tangent::new(|other| (other == symbol).then_some(one)).of(e)).collect()
+/// `∂e/∂q`, what is not zero of it, with the numbers of the coordinates.
+fn slope<'g>(e: Expr<'g>, numbers: &BTreeMap<Symbol, usize>) -> Vec<(usize, Expr<'g>)> {
+    let graph = e.graph();
+    let moved = graph.reachable([e.id()]).into_iter().filter_map(|id| match graph.node(id) {
+        Node::Symbol(symbol) => numbers.get(&symbol).map(|&k| (k, symbol)),
+        _ => None,
+    });
+    let mut moved: Vec<(usize, Symbol)> = moved.collect();
+    moved.sort_unstable();
+    let along = |symbol| Tangent::new(move |other| (other == symbol).then(|| graph.integer(1))).of(e);
+    moved.into_iter().map(|(k, symbol)| (k, along(symbol))).filter(|(_, slope)| !slope.is_zero()).collect()
 }
 
 fn sum<'g>(a: &Rows<'g>, b: &Rows<'g>) -> Rows<'g> {

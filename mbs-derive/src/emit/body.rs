@@ -33,6 +33,9 @@ pub(super) const FAMILIAR: [(f64, &str); 8] = [
     (1.0 / 3.0, "third"),
 ];
 
+/// For this many characters a constant counts of which only the kind is known.
+const LONGEST_CONSTANT: usize = 20;
+
 /// A name counts for this many characters at most.
 const WIDEST: usize = 6;
 
@@ -40,7 +43,9 @@ const WIDEST: usize = 6;
 #[derive(Clone, Debug)]
 pub(super) struct Body<'n> {
     pub(super) names: &'n Names,
-    scope: Scope,
+    pub(super) scope: Scope,
+    /// Whether it is of a long chain, whose links are written alike: how long numbers and names are is not looked at.
+    pub(super) is_of_long_chain: bool,
     /// What the familiar constants are called.
     pub(super) familiar: [String; FAMILIAR.len()],
     /// What `T::from_f64` is called.
@@ -66,11 +71,18 @@ impl<'n> Body<'n> {
         let convert = scope.unique("c");
         let (locals, links, parts, on_demand) = (Vec::new(), Vec::new(), BTreeMap::new(), BTreeSet::new());
         let (block, leaves) = (Block::default(), Leaves::default());
-        let body = Body { names, scope, familiar, convert, locals, links, parts, on_demand, block, leaves };
+        let is_of_long_chain = links::are_many(program);
+        let body =
+            Body { names, scope, is_of_long_chain, familiar, convert, locals, links, parts, on_demand, block, leaves };
         let (program, components) = restricted(program, components);
         let mut writer = Writer::new(&program, &components, body);
         writer.write();
         writer.finish(&components)
+    }
+
+    /// The body with other texts for its locals, and further ones.
+    pub(super) fn renamed(&self, locals: Vec<String>) -> Self {
+        Body { locals, ..self.clone() }
     }
 
     fn local(&mut self, wish: Wish, link: Option<usize>) -> usize {
@@ -126,11 +138,14 @@ impl<'n> Body<'n> {
             Tree::Constant(value) => {
                 if familiar(*value).is_some() {
                     4
+                } else if self.is_of_long_chain {
+                    LONGEST_CONSTANT
                 } else {
                     format!("c({value:?})").len()
                 }
             }
             // A long name says more; it is no reason to cut an expression into more pieces.
+            Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) if self.is_of_long_chain => WIDEST,
             Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => self.name(tree).len().min(WIDEST),
             Tree::Neg(_) | Tree::Not(_) => 1,
             Tree::Add(..) | Tree::Sub(..) | Tree::Mul(..) | Tree::Div(..) | Tree::And(..) => 3,

@@ -13,6 +13,8 @@ use crate::shape::Shape;
 use crate::variable::Variable;
 use crate::variable::component_names;
 
+use super::links;
+
 /// Doc attributes, one a line.
 pub(super) fn attributes(lines: &[String]) -> TokenStream {
     let lines = lines.iter().map(|line| match line.trim_end() {
@@ -53,7 +55,13 @@ pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str, cod
     let letters = |name: &'_ str| name.split(|c: char| c.is_ascii_digit()).next().map(str::to_string);
     let words: BTreeSet<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
     // Values that are written inside others have no name in the code.
-    let written: BTreeSet<String> = words.iter().filter_map(|word| letters(word.trim_start_matches("by_"))).collect();
+    let mut written: BTreeSet<String> =
+        words.iter().filter_map(|word| letters(word.trim_start_matches("by_"))).collect();
+    if derivation.functions.iter().any(|function| links::are_many(&function.program)) {
+        // In loops over links j stands for their numbers.
+        let before_number = |word: &&str| word.rfind('j').map(|at| word[..at].trim_start_matches("by_").to_string());
+        written.extend(words.iter().filter_map(before_number));
+    }
     let letters: BTreeSet<String> = notes.filter_map(letters).filter(|name| written.contains(name)).collect();
     if !letters.is_empty() {
         let told = KEY.iter().filter(|(names, _)| names.iter().any(|name| letters.contains(*name)));

@@ -166,6 +166,28 @@ impl Tree {
         }
     }
 
+    /// The same operations with other leaves, which are asked for in the order of [`each_leaf`](Self::each_leaf).
+    pub(super) fn with_leaves(&self, other: &mut dyn FnMut(&Tree) -> Tree) -> Tree {
+        let mut of = |tree: &Tree| tree.with_leaves(other);
+        let mut boxed = |tree: &Tree| Box::new(of(tree));
+        match self {
+            Tree::Constant(_) | Tree::Symbol(_) | Tree::Hoisted(_) | Tree::Local(_) => other(self),
+            Tree::Neg(a) => Tree::Neg(boxed(a)),
+            Tree::Not(a) => Tree::Not(boxed(a)),
+            Tree::Add(a, b) => Tree::Add(boxed(a), boxed(b)),
+            Tree::Sub(a, b) => Tree::Sub(boxed(a), boxed(b)),
+            Tree::Mul(a, b) => Tree::Mul(boxed(a), boxed(b)),
+            Tree::Div(a, b) => Tree::Div(boxed(a), boxed(b)),
+            Tree::Less(a, b) => Tree::Less(boxed(a), boxed(b)),
+            Tree::LessEqual(a, b) => Tree::LessEqual(boxed(a), boxed(b)),
+            Tree::And(a, b) => Tree::And(boxed(a), boxed(b)),
+            Tree::Select(c, a, b) => Tree::Select(boxed(c), boxed(a), boxed(b)),
+            Tree::Method(name, a, rest) => {
+                Tree::Method(name, boxed(a), rest.iter().map(|tree| tree.with_leaves(other)).collect())
+            }
+        }
+    }
+
     /// Calls `found` with every leaf.
     pub(super) fn each_leaf<'t>(&'t self, found: &mut impl FnMut(&'t Tree)) {
         match self.children().as_slice() {

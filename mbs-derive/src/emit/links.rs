@@ -7,11 +7,21 @@ use std::collections::BTreeSet;
 use std::collections::btree_map::{BTreeMap, Entry};
 use std::ops::Bound;
 
+use crate::optimise::Program;
+
 use super::statement::Statement;
 
 /// Where fewer statements of a link than this stand together on average, their order stays, and no comment says which
 /// link it is.
 const FEW: usize = 4;
+
+/// A chain of more links than these is long.
+pub(super) const MANY: usize = 30;
+
+/// Whether a program is of a long chain.
+pub(super) fn are_many(program: &Program) -> bool {
+    program.notes.iter().filter_map(|(_, name)| of_note(name)).any(|link| link > MANY)
+}
 
 /// The number of the link that a value with this note belongs to, by the [key](super::doc::is_of_link) to locals.
 pub(super) fn of_note(note: &str) -> Option<usize> {

@@ -5,6 +5,7 @@
 //! - `traits`: the runtime's traits, implemented by them;
 //! - `shape`: results, their types and values;
 //! - `syntax`: how values and statements are written in Rust; `segment`: long bodies in blocks;
+//!   `loops`: those of long chains in loops;
 //! - `outline`: a long module without its function bodies, for review.
 //!
 //! What stands in a function, in which order, with which names, is said by the walk of `walk`, as text that is read as
@@ -14,6 +15,7 @@
 //! computes, to the bit, except where the target has a fused multiply–add. Its text depends on the derivation alone.
 
 mod function;
+mod loops;
 mod outline;
 mod parameter;
 mod segment;
@@ -78,8 +80,17 @@ fn printed(file: &syn::File, source: &str) -> String {
 fn spaced(text: &str) -> String {
     let begins_item = |line: &str| ["///", "#[", "pub ", "impl", "fn "].iter().any(|start| line.starts_with(start));
     let mut spaced = String::with_capacity(text.len());
-    let mut after_item = false;
+    let (mut after_item, mut table) = (false, None);
     for line in text.lines() {
+        if syntax::opens_table(line) {
+            table = Some(line);
+        }
+        if let Some(begin) = table.filter(|begin| *begin != line) {
+            if syntax::pack(&mut spaced, begin, line) {
+                continue;
+            }
+            table = None;
+        }
         if after_item && begins_item(line.trim_start()) {
             spaced.push('\n');
         }

@@ -62,6 +62,10 @@ pub(super) trait Syntax {
     }
     /// A comment on what follows.
     fn comment(&self, text: &str) -> String;
+    /// The lines and the values of a body in loops, where it is written so.
+    fn rolled(&self, _writer: &Writer<'_, '_>) -> Option<(Vec<String>, Vec<String>)> {
+        None
+    }
     /// The statements of a block.
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {
         writer.statements(block)
@@ -289,6 +293,12 @@ impl<'d> Walk<'d> {
     ) -> (Vec<String>, Vec<String>) {
         let body = Body::new(program, components, &self.names, scope);
         let writer = Writer { body: &body, syntax, library_sines: self.library_sines };
+        if let Some((lines, values)) = syntax.rolled(&writer) {
+            // Loops read components of arguments where they need them.
+            let is_argument = |symbol: &Symbol| matches!(self.place(*symbol), Some(Place::Argument(..)));
+            let begin = self.begin(&writer, |symbol| !is_argument(symbol));
+            return (begin.into_iter().chain(lines).collect(), values);
+        }
         (self.lines(&writer), body.block.results.iter().map(|tree| writer.print(tree)).collect())
     }
 
@@ -410,12 +420,17 @@ impl<'d> Walk<'d> {
 
     /// Names for what a body reads, then its statements.
     fn lines(&self, writer: &Writer<'_, '_>) -> Vec<String> {
-        let Writer { body, syntax, .. } = writer;
-        let place = |symbol: &Symbol| self.place(*symbol).map(|place| (self.names.symbol(*symbol), place));
-        let reads: Vec<(&str, Place<'_>)> = body.leaves.symbols.iter().filter_map(place).collect();
-        let mut lines = syntax.begin(&reads, body);
-        lines.extend(syntax.block(&body.block, writer));
+        let mut lines = self.begin(writer, |_| true);
+        lines.extend(writer.syntax.block(&writer.body.block, writer));
         lines
+    }
+
+    /// Names for what a body reads, of the symbols that are named.
+    fn begin(&self, writer: &Writer<'_, '_>, is_named: impl Fn(&Symbol) -> bool) -> Vec<String> {
+        let place = |symbol: &Symbol| self.place(*symbol).map(|place| (self.names.symbol(*symbol), place));
+        let symbols = writer.body.leaves.symbols.iter().filter(|symbol| is_named(symbol));
+        let reads: Vec<(&str, Place<'_>)> = symbols.filter_map(place).collect();
+        writer.syntax.begin(&reads, writer.body)
     }
 
     /// Where a symbol is found; time is an argument itself.

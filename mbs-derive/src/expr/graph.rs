@@ -160,6 +160,8 @@ impl Node {
 pub struct Graph {
     arena: RefCell<Arena>,
     pub(super) verbatim: bool,
+    /// Whether operands are in the order in which they were made.
+    by_age: bool,
     /// What nodes are called.
     pub(super) notes: RefCell<IdMap<Rc<str>>>,
 }
@@ -182,12 +184,18 @@ impl Graph {
     /// A graph whose constructors apply the local rules.
     #[allow(clippy::new_without_default)]
     pub fn new() -> Graph {
-        Graph { arena: RefCell::default(), verbatim: false, notes: RefCell::default() }
+        Graph { arena: RefCell::default(), verbatim: false, by_age: false, notes: RefCell::default() }
+    }
+
+    /// A graph with the local rules, in which operands are in the order in which they were made, whatever they say:
+    /// what is made in the same way for each link of a chain is written in the same way.
+    pub(crate) fn by_age() -> Graph {
+        Graph { by_age: true, ..Graph::new() }
     }
 
     /// A graph that keeps expressions as they were written, time derivatives included.
     pub fn verbatim() -> Graph {
-        Graph { arena: RefCell::default(), verbatim: true, notes: RefCell::default() }
+        Graph { verbatim: true, ..Graph::new() }
     }
 
     /// How many nodes there are.
@@ -312,7 +320,7 @@ impl Graph {
     /// Whether `a` comes before `b` in the order of operands.
     pub(super) fn precedes(&self, a: Id, b: Id) -> bool {
         let arena = self.arena.borrow();
-        (arena.keys[a.index()], a) < (arena.keys[b.index()], b)
+        if self.by_age { a < b } else { (arena.keys[a.index()], a) < (arena.keys[b.index()], b) }
     }
 }
 

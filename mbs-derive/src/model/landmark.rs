@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::expr::graph::IdMap;
-use crate::expr::{Expr, HalfInteger, Id, Matrix, Node, Symbol, Vector};
+use crate::expr::{Expr, HalfInteger, Id, Matrix, Node, Vector};
 use crate::model::frame::FrameId;
 use crate::model::lagrangian::Body;
 
@@ -239,7 +239,6 @@ fn scaled<'g>(body: &Body<'g>, factor: Expr<'g>) -> Body<'g> {
 /// apart.
 pub(in crate::model) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> Vec<(Expr<'g>, Expr<'g>)> {
     let graph = sum.graph();
-    let moving = moving_nodes(sum);
     let mut waiting = vec![(graph.integer(1), sum.id())];
     let mut terms = Vec::new();
     while let Some((factor, id)) = waiting.pop() {
@@ -248,13 +247,13 @@ pub(in crate::model) fn terms<'g>(sum: Expr<'g>, known: impl Fn(Id) -> bool) -> 
             Node::Neg(a) => waiting.push((-factor, a)),
             Node::Add(a, b) => waiting.extend([(factor, b), (factor, a)]),
             Node::Sub(a, b) => waiting.extend([(-factor, b), (factor, a)]),
-            Node::Mul(a, b) if !moving[&a] => waiting.push((factor * graph.expr(a), b)),
+            Node::Mul(a, b) if graph.is_parametric(a) => waiting.push((factor * graph.expr(a), b)),
             // |v|² written as the square of a length
             Node::Power(root, n) if n == HalfInteger::integer(2) => match graph.node(root) {
                 Node::Power(square, half) if half == HalfInteger::HALF => waiting.push((factor, square)),
                 _ => terms.push((factor, graph.expr(id))),
             },
-            Node::Mul(a, b) if !moving[&b] => waiting.push((factor * graph.expr(b), a)),
+            Node::Mul(a, b) if graph.is_parametric(b) => waiting.push((factor * graph.expr(b), a)),
             _ => terms.push((factor, graph.expr(id))),
         }
         // In loops a sum could double with each turn; what is left is one term.
@@ -270,19 +269,5 @@ const MOST_TERMS: usize = 10_000;
 
 /// Whether it is constant in time.
 pub(crate) fn is_still(e: Expr<'_>) -> bool {
-    !moving_nodes(e)[&e.id()]
-}
-
-/// Which of the nodes change in time.
-pub(crate) fn moving_nodes(root: Expr<'_>) -> IdMap<bool> {
-    let graph = root.graph();
-    let mut moving: IdMap<bool> = IdMap::default();
-    for id in graph.reachable([root.id()]) {
-        let moves = match graph.node(id) {
-            Node::Symbol(symbol) => !matches!(symbol, Symbol::Parameter(_)),
-            node => node.operands().any(|operand| moving[&operand]),
-        };
-        moving.insert(id, moves);
-    }
-    moving
+    e.graph().is_parametric(e.id())
 }

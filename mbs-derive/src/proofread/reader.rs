@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use quote::ToTokens;
-use syn::{BinOp, Block, Expr, Lit, Member, Pat, PatType, Stmt, UnOp};
+use syn::{BinOp, Block, Expr, Item, Lit, Member, Pat, PatType, StaticMutability, Stmt, UnOp};
 
 use crate::expr::{Binary, Function, Trigonometry};
 
@@ -92,6 +92,11 @@ impl<'r> Reader<'r> {
     fn statement(&mut self, statement: &Stmt) -> Reading<()> {
         match statement {
             Stmt::Local(local) => match (&local.init, &local.pat) {
+                (Some(init), Pat::Ident(name)) if init.diverge.is_none() && is_changed_later(name) => {
+                    let value = self.value(&init.expr)?;
+                    self.define(name.ident.to_string(), Some(value));
+                    Ok(())
+                }
                 (Some(init), pattern) if init.diverge.is_none() => {
                     let value = self.value(&init.expr)?;
                     self.bind(pattern, value)
@@ -117,6 +122,11 @@ impl<'r> Reader<'r> {
             Stmt::Expr(Expr::Try(tried), Some(_)) => {
                 let required = self.value(&tried.expr)?;
                 self.required.push(required);
+                Ok(())
+            }
+            Stmt::Item(Item::Static(table)) if matches!(table.mutability, StaticMutability::None) => {
+                let value = self.value(&table.expr)?;
+                self.define(table.ident.to_string(), Some(value));
                 Ok(())
             }
             Stmt::Expr(..) | Stmt::Item(_) | Stmt::Macro(_) => unknown(statement),
@@ -155,6 +165,19 @@ impl<'r> Reader<'r> {
                 }
                 self.locals[local] = Some(value);
                 Ok(())
+            }
+            (Expr::Index(component), value) => {
+                let Meaning::Integer(i) = self.value(&component.index)? else { return unknown(place) };
+                let Expr::Path(array) = &*component.expr else { return unknown(place) };
+                let name = array.path.require_ident().map_err(|_| cannot_read(array))?.to_string();
+                let local = self.names.get(&name).copied().filter(|local| *local >= self.outer);
+                match local.and_then(|local| self.locals[local].as_mut()) {
+                    Some(Meaning::List(entries)) if i < entries.len() => {
+                        Rc::make_mut(entries)[i] = value;
+                        Ok(())
+                    }
+                    _ => unknown(place),
+                }
             }
             (Expr::Array(places), value) => {
                 let values = self.entries(value, places.elems.len())?;
@@ -238,6 +261,23 @@ impl<'r> Reader<'r> {
             },
             Expr::Path(path) if path.qself.is_none() => self.path(&path.path),
             Expr::Unary(unary) => self.unary(unary),
+            Expr::Range(range) if matches!(range.limits, syn::RangeLimits::HalfOpen(_)) => {
+                let (Some(start), Some(end)) = (&range.start, &range.end) else { return unknown(expression) };
+                match (self.value(start)?, self.value(end)?) {
+                    (Meaning::Integer(start), Meaning::Integer(end)) => {
+                        Ok(Meaning::list((start..end).map(Meaning::Integer)))
+                    }
+                    _ => unknown(expression),
+                }
+            }
+            Expr::Binary(binary) if self.is_integer(&binary.left) => {
+                match (self.value(&binary.left)?, &binary.op, self.value(&binary.right)?) {
+                    (Meaning::Integer(a), BinOp::Add(_), Meaning::Integer(b)) => Ok(Meaning::Integer(a + b)),
+                    (Meaning::Integer(a), BinOp::Sub(_), Meaning::Integer(b)) if b <= a => Ok(Meaning::Integer(a - b)),
+                    (Meaning::Integer(a), BinOp::Div(_), Meaning::Integer(b @ 1..)) => Ok(Meaning::Integer(a / b)),
+                    _ => unknown(expression),
+                }
+            }
             Expr::Binary(binary) => {
                 let [a, b] = [self.number(&binary.left)?, self.number(&binary.right)?];
                 Ok(Meaning::Number(match binary.op {
@@ -286,6 +326,18 @@ impl<'r> Reader<'r> {
             Expr::MethodCall(call) if call.turbofish.is_none() => self.method(call),
             _ => unknown(expression),
         }
+    }
+
+    /// Whether it is a name that stands for an index, or begins with one.
+    fn is_integer(&self, expression: &Expr) -> bool {
+        let path = match expression {
+            Expr::Path(path) => path,
+            Expr::Paren(inner) => return self.is_integer(&inner.expr),
+            Expr::Binary(binary) => return self.is_integer(&binary.left),
+            _ => return false,
+        };
+        let local = path.path.get_ident().and_then(|name| self.names.get(&name.to_string()));
+        local.is_some_and(|&local| matches!(self.locals[local], Some(Meaning::Integer(_))))
     }
 
     fn values<'e>(&mut self, expressions: impl IntoIterator<Item = &'e Expr>) -> Reading<Vec<Meaning>> {
@@ -423,6 +475,10 @@ impl<'r> Reader<'r> {
                 Ok(Meaning::Call(name, [factors, right_side.clone()].into()))
             }
             (list @ Meaning::List(_), "into_iter", []) => Ok(list),
+            (Meaning::List(entries), "step_by", [Meaning::Integer(stride @ 1..)]) => {
+                Ok(Meaning::list(entries.iter().step_by(*stride).cloned()))
+            }
+            (Meaning::List(entries), "rev", []) => Ok(Meaning::list(entries.iter().rev().cloned())),
             (Meaning::List(rows), "flatten", []) => {
                 let mut all = Vec::new();
                 for row in rows.iter() {
@@ -495,6 +551,11 @@ impl<'r> Reader<'r> {
 /// Whether an expression without a semicolon is a statement.
 fn is_statement(expression: &Expr) -> bool {
     matches!(expression, Expr::ForLoop(_))
+}
+
+/// Whether it is `mut name`.
+fn is_changed_later(name: &syn::PatIdent) -> bool {
+    name.mutability.is_some() && name.by_ref.is_none() && name.subpat.is_none()
 }
 
 fn is_plain(name: &syn::PatIdent) -> bool {

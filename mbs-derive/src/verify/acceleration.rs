@@ -44,6 +44,9 @@ impl<'a, V: Tested> Trial<'a, V> {
         if V::CLAIMS_SYSTEMS && self.is_constrained() {
             return self.systems_of_motion();
         }
+        if self.derivation.function(Kind::MassMatrix).is_none() {
+            return self.accelerations_need_the_forces();
+        }
         let (m, qdd) = (self.call(Kind::MassMatrix), self.call(Kind::ForwardDynamics));
         let product = times(&m, &qdd);
         let (h, d, q) = (self.call(Kind::Bias), self.call(Kind::DissipationForce), self.call(Kind::GeneralizedForce));
@@ -52,6 +55,13 @@ impl<'a, V: Tested> Trial<'a, V> {
         self.equal("M q̈ + h + ∂D/∂q̇ = Q + Aᵀ λ", &residual, &q)?;
         let (bias, a) = (self.rows(Kind::ConstraintBias), self.rows(Kind::ConstraintJacobian));
         V::rows_of_motion(self, &a, &qdd, &bias)
+    }
+
+    /// Inverse dynamics of q̈ is Q: what is claimed without M.
+    fn accelerations_need_the_forces(&self) -> Result<(), Failure> {
+        let moved = State { qdd: self.call(Kind::ForwardDynamics), ..self.state.clone() };
+        let needed = called(&self.interpreter, Kind::InverseDynamics, &moved);
+        self.equal("inverse dynamics of q̈ = Q", &needed, &self.call(Kind::GeneralizedForce))
     }
 
     /// The function, if what is claimed of it is the system with constraints that it sets up.
@@ -115,6 +125,9 @@ impl Trial<'_> {
     /// rounding leaves of it.
     pub(super) fn accelerations_are_determined(&self) -> Result<bool, Failure> {
         let found = self.call(Kind::ForwardDynamics);
+        if self.derivation.function(Kind::MassMatrix).is_none() {
+            return Ok(self.has_accelerations());
+        }
         if found.iter().all(|qdd| qdd.value.is_finite()) {
             let at = || inertia::is_undetermined(self, &doubles(self.state), &doubles_of(self.parameters));
             return Ok(self.is_constrained() || !at());
@@ -128,6 +141,12 @@ impl Trial<'_> {
             self.equal("accelerations are numbers where M is regular on the allowed motions", &found, &zero)?;
         }
         Ok(false)
+    }
+
+    /// Whether accelerations are finite, if there are any.
+    pub(super) fn has_accelerations(&self) -> bool {
+        let found = self.derivation.function(Kind::ForwardDynamics).map(|_| self.call(Kind::ForwardDynamics));
+        found.iter().flatten().all(|qdd| qdd.value.is_finite())
     }
 
     /// Whether what holds the rows that others do not determine holds all of them.

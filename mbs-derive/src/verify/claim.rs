@@ -199,19 +199,25 @@ impl<'a, V: Tested> Trial<'a, V> {
         self.terms.get_or_init(|| self.witness.lagrange(self.state, self.parameters))
     }
 
+    /// What each group of Lagrange's equations has of these numbers, one for each coordinate.
+    fn in_equations(&self, values: &[V]) -> Vec<V> {
+        Group::of_equations(self.n()).map(|group| group.sum(values)).collect()
+    }
+
     fn momentum(&self) -> Result<(), Failure> {
         let expected: Vec<V> = self.terms().iter().map(|t| t.momentum).collect();
-        self.equal("momentum = ∂L/∂q̇", &self.call(Kind::Momentum), &expected)
+        self.equal("momentum = ∂L/∂q̇", &self.in_equations(&self.call(Kind::Momentum)), &expected)
     }
 
     fn dissipation_force(&self) -> Result<(), Failure> {
         let expected: Vec<V> = self.terms().iter().map(|t| t.dissipation_force).collect();
-        self.equal("dissipation force = ∂D/∂q̇", &self.call(Kind::DissipationForce), &expected)
+        let found = self.in_equations(&self.call(Kind::DissipationForce));
+        self.equal("dissipation force = ∂D/∂q̇", &found, &expected)
     }
 
     fn generalized_force(&self) -> Result<(), Failure> {
         let declared = self.witness.forces(self.state, self.parameters);
-        self.equal("generalized force", &self.call(Kind::GeneralizedForce), &declared)
+        self.equal("generalized force", &self.in_equations(&self.call(Kind::GeneralizedForce)), &declared)
     }
 
     /// `d/dt ∂L/∂q̇ − ∂L/∂q + ∂D/∂q̇`
@@ -219,7 +225,7 @@ impl<'a, V: Tested> Trial<'a, V> {
         let expected = self.terms().iter().map(|t| t.momentum_rate - t.position_gradient + t.dissipation_force);
         self.equal(
             "inverse dynamics = Lagrange's equations",
-            &self.call(Kind::InverseDynamics),
+            &self.in_equations(&self.call(Kind::InverseDynamics)),
             &expected.collect::<Vec<_>>(),
         )
     }

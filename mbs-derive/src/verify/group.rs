@@ -8,6 +8,10 @@ use super::tested::Tested;
 /// many sums.
 const GROUPS: usize = 8;
 
+/// Up to this many coordinates Lagrange's equations are proved one by one; of more by their product with a vector whose
+/// components have no relation.
+const FEW_EQUATIONS: usize = 50;
+
 /// Every `step`-th column from `first` on, each with its weight.
 ///
 /// A sum of columns `Σ wⱼ ∂f/∂xⱼ` is the derivative of f in the direction w, one sweep. Errors of its columns could
@@ -23,6 +27,12 @@ impl Group {
     /// All columns of a matrix of this width.
     pub(super) fn of(width: usize) -> impl Iterator<Item = Group> {
         let step = width.min(GROUPS);
+        (0..step).map(move |first| Group { first, step, width })
+    }
+
+    /// Lagrange's equations of this many coordinates: one by one, or of a long mechanism all in one sum.
+    pub(super) fn of_equations(width: usize) -> impl Iterator<Item = Group> {
+        let step = if width <= FEW_EQUATIONS { width } else { 1 };
         (0..step).map(move |first| Group { first, step, width })
     }
 
@@ -50,6 +60,16 @@ impl Group {
         if is_among { self.weight(number as usize) } else { V::default() }
     }
 
+    /// What each coordinate counts, 0 for those of other groups.
+    pub(super) fn direction<V: Tested>(self) -> impl Fn(usize) -> V {
+        move |i| if i % self.step == self.first { self.weight(i) } else { V::default() }
+    }
+
+    /// `Σ wⱼ xⱼ`; of a column alone its value.
+    pub(super) fn sum<V: Tested>(self, values: &[V]) -> V {
+        if self.step == self.width { values[self.first] } else { self.combined(values, 1)[0] }
+    }
+
     /// `Σ wⱼ aᵢⱼ` of a matrix of `rows` rows, row by row.
     pub(super) fn combined<V: Tested>(self, matrix: &[V], rows: usize) -> Vec<V> {
         let row = |i: usize| self.columns().map(|j| self.weight::<V>(j) * matrix[i * self.width + j]).sum();
@@ -69,6 +89,8 @@ mod tests {
             columns.sort();
             assert_eq!(columns, (0..width).collect::<Vec<_>>());
         }
+        assert_eq!(Group::of_equations(FEW_EQUATIONS).map(|group| group.columns().count()).max(), Some(1));
+        assert_eq!(Group::of_equations(1000).map(|group| group.columns().count()).collect::<Vec<_>>(), [1000]);
         for group in Group::of(GROUPS) {
             assert_eq!(group.columns().map(|j| group.weight::<Rounded>(j)).collect::<Vec<_>>(), [Rounded::exact(1.0)]);
         }
@@ -80,6 +102,9 @@ mod tests {
         let matrix: Vec<Rounded> = (0..10).map(|k| Rounded::exact(f64::from(k))).collect();
         let expected = [1.0 + 3.0 * group.weight::<Rounded>(3).value, 6.0 + 8.0 * group.weight::<Rounded>(3).value];
         assert_eq!(group.combined(&matrix, 2).iter().map(|v| v.value).collect::<Vec<_>>(), expected);
+        let direction: Vec<Rounded> = (0..5).map(group.direction()).collect();
+        let [zero, one] = [0.0, 1.0].map(Rounded::exact);
+        assert_eq!(direction, [zero, one, zero, group.weight(3), zero]);
         assert_eq!(group.weight_of::<Rounded>(Symbol::Input(3), Symbol::Input), group.weight(3));
         assert_eq!(group.weight_of::<Rounded>(Symbol::Input(2), Symbol::Input), Rounded::default());
         assert_eq!(group.weight_of::<Rounded>(Symbol::Velocity(3), Symbol::Input), Rounded::default());

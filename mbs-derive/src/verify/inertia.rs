@@ -11,9 +11,14 @@ use super::claim::Trial;
 
 /// Whether some motion that the constraints allow has no inertia there; none has a negative one.
 ///
+/// Of long chains M is not there: their accelerations are finite at all states that count.
+///
 /// Pivots tell where they are larger than rounding. Where they are not, the rank is found in a finite field, at points
 /// that are zero where the state is.
 pub(super) fn is_singular(trial: &Trial<'_>, state: &State, parameters: &[f64]) -> Result<bool, Failure> {
+    if trial.derivation().function(Kind::MassMatrix).is_none() {
+        return Ok(false);
+    }
     let [(whole, rounding), allowed] = trial.inertia();
     if whole.smallest < -rounding.max(1e-9) {
         return Err(Failure::NegativeInertia { q: state.q.clone() });

@@ -4,6 +4,7 @@ use crate::expr::{Dual, Expr, Rounded, Symbol, Tape, Value};
 use crate::interpret::State;
 use crate::model::{Lagrangian, OutputValue};
 
+use super::group::Group;
 use super::tested::Tested;
 
 /// The declared scalars, ready to be evaluated over any kind of number.
@@ -27,7 +28,7 @@ struct Steps<V> {
     along_path: Vec<Dual<Dual<V>>>,
 }
 
-/// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate.
+/// `∂L/∂q̇`, its time derivative, `∂L/∂q` and `∂D/∂q̇` for one coordinate, or along a direction of several.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LagrangeTerms<V> {
     /// `∂L/∂q̇`
@@ -114,11 +115,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         [0, 1, 2, 3].map(|i| values[i].value)
     }
 
-    /// Q
+    /// Q along each group of coordinates.
     pub(crate) fn forces<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<V> {
-        let direct = self.forces.run(moving(state, parameters));
-        let by_work = (0..direct.len()).map(|i| self.virtual_work(unit(i), state, parameters));
-        direct.iter().zip(by_work).map(|(q, work)| q.value + work).collect()
+        let direct: Vec<V> = self.forces.run(moving(state, parameters)).iter().map(|q| q.value).collect();
+        let groups = Group::of_equations(direct.len());
+        groups.map(|group| group.sum(&direct) + self.virtual_work(group.direction(), state, parameters)).collect()
     }
 
     /// `Σ F · ∂v/∂q̇`, along a direction of the coordinates, over the forces on points and torques on bodies.
@@ -147,10 +148,13 @@ impl<'l, 'g> Witness<'l, 'g> {
         self.frames.run(moving(state, parameters))
     }
 
-    /// The terms of Lagrange's equation of each coordinate.
+    /// The terms of Lagrange's equation along each group of coordinates.
     pub(crate) fn lagrange<V: Tested>(&self, state: &State<V>, parameters: &[V]) -> Vec<LagrangeTerms<V>> {
-        let steps = self.steps(state, parameters);
-        (0..state.q.len()).map(|i| self.lagrange_along(unit(i), &steps, state, parameters)).collect()
+        let groups: Vec<Group> = Group::of_equations(state.q.len()).collect();
+        // In one direction of all coordinates every step varies.
+        let steps = (groups.len() == state.q.len()).then(|| self.steps(state, parameters));
+        let along = |group: Group| self.lagrange_along(group.direction(), steps.as_ref(), state, parameters);
+        groups.into_iter().map(along).collect()
     }
 
     /// All that the energies are computed of, at a state and along the motion.
@@ -171,7 +175,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         parameters: &[V],
         multipliers: &[V],
     ) -> V {
-        let terms = self.lagrange_along(&direction, &self.steps(state, parameters), state, parameters);
+        let terms = self.lagrange_along(&direction, Some(&self.steps(state, parameters)), state, parameters);
         let work = self.virtual_work(&direction, state, parameters);
         // Of holonomic rows the slope in the coordinates is A, of Pfaffian ones that in the velocities.
         let parameters = lift_all(parameters);
@@ -185,11 +189,11 @@ impl<'l, 'g> Witness<'l, 'g> {
         terms.momentum_rate - terms.position_gradient + terms.dissipation_force - work - constraint
     }
 
-    /// Only the steps that vary in the direction are computed.
+    /// Where the steps of the energies are known, those alone that vary in the direction are computed.
     fn lagrange_along<V: Tested>(
         &self,
         direction: impl Fn(usize) -> V,
-        steps: &Steps<V>,
+        steps: Option<&Steps<V>>,
         state: &State<V>,
         parameters: &[V],
     ) -> LagrangeTerms<V> {
@@ -202,12 +206,22 @@ impl<'l, 'g> Witness<'l, 'g> {
         // A velocity is the rate of its coordinate, too.
         let in_direction = |symbol| matches!(symbol, Symbol::Coordinate(i) | Symbol::Velocity(i) if varies(i));
         let point = moving(&twice, &twice_fixed);
-        let point = |symbol| in_direction(symbol).then(|| point(symbol));
-        let [l, _, _, d] = self.varied_energies(&steps.along_path, point);
+        let [l, _, _, d] = match steps {
+            Some(steps) => {
+                let point = |symbol| in_direction(symbol).then(|| point(symbol));
+                self.varied_energies(&steps.along_path, point)
+            }
+            None => self.energies(&twice, &twice_fixed),
+        };
         let varied = state.along(|symbol| in_coordinates(&direction, symbol));
         let point = moving(&varied, &once);
-        let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
-        let [l_varied, ..] = self.varied_energies(&steps.here, point);
+        let [l_varied, ..] = match steps {
+            Some(steps) => {
+                let point = |symbol| matches!(symbol, Symbol::Coordinate(i) if varies(i)).then(|| point(symbol));
+                self.varied_energies(&steps.here, point)
+            }
+            None => self.energies(&varied, &once),
+        };
         LagrangeTerms {
             momentum: l.derivative.value,
             momentum_rate: l.derivative.derivative,
@@ -215,11 +229,6 @@ impl<'l, 'g> Witness<'l, 'g> {
             dissipation_force: d.derivative.value,
         }
     }
-}
-
-/// Along one coordinate.
-fn unit<V: Tested>(chosen: usize) -> impl Fn(usize) -> V {
-    move |i| V::exact(f64::from(u8::from(i == chosen)))
 }
 
 /// A direction of the coordinates.

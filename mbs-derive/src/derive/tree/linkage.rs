@@ -4,11 +4,10 @@
 //! e, a turn about z, and the turn back, which joins what follows; a translation that moves becomes slides along
 //! constant directions.
 
-use crate::expr::graph::IdMap;
 use crate::expr::{Expr, Graph, HalfInteger, Matrix, Node, Tangent, Vector};
 use crate::model::Lagrangian;
 use crate::model::frame::{Edge as Declared, FrameId};
-use crate::model::landmark::{is_still, moving_nodes};
+use crate::model::landmark::is_still;
 
 use super::super::lagrange::velocity_direction;
 use super::super::{carried, time_derivative};
@@ -194,9 +193,9 @@ impl<'g> Linkage<'g> {
                     Node::Symbol(_) | Node::Constant(_) | Node::Neg(_) | Node::Add(..) | Node::Sub(..) | Node::Mul(..)
                 )
             };
-            let moving = moving_nodes(displacement);
+            let moves = |id| !graph.is_parametric(id);
             let mut nodes = graph.reachable([displacement.id()]).into_iter();
-            nodes.all(|id| linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moving[&a] && moving[&b]))
+            nodes.all(|id| linear(id) && !matches!(graph.node(id), Node::Mul(a, b) if moves(a) && moves(b)))
         })
     }
 
@@ -322,35 +321,38 @@ impl<'g> Affine<'g> {
     fn of(e: Expr<'g>) -> Self {
         let graph = e.graph();
         let (zero, one) = (graph.integer(0), graph.integer(1));
-        let moving = moving_nodes(e);
         let mut split = Affine { constant: zero, factor: one, variable: e };
-        if !moving[&e.id()] {
+        if is_still(e) {
             return Affine { constant: e, factor: zero, variable: one };
         }
-        while let Some(next) = split.peeled(&moving) {
+        while let Some(next) = split.peeled() {
             split = next;
         }
         split
     }
 
-    fn peeled(self, moving: &IdMap<bool>) -> Option<Self> {
+    fn peeled(self) -> Option<Self> {
         let graph = self.variable.graph();
         let part = |id| graph.expr(id);
         let Affine { constant, factor, .. } = self;
         match self.variable.node() {
             Node::Neg(a) => Some(Affine { factor: -factor, variable: part(a), ..self }),
-            Node::Mul(a, b) if !moving[&a] => Some(Affine { factor: factor * part(a), variable: part(b), ..self }),
-            Node::Mul(a, b) if !moving[&b] => Some(Affine { factor: factor * part(b), variable: part(a), ..self }),
-            Node::Add(a, b) | Node::Sub(a, b) if !moving[&b] => {
+            Node::Mul(a, b) if graph.is_parametric(a) => {
+                Some(Affine { factor: factor * part(a), variable: part(b), ..self })
+            }
+            Node::Mul(a, b) if graph.is_parametric(b) => {
+                Some(Affine { factor: factor * part(b), variable: part(a), ..self })
+            }
+            Node::Add(a, b) | Node::Sub(a, b) if graph.is_parametric(b) => {
                 let added = factor * part(b);
                 let minus = matches!(self.variable.node(), Node::Sub(..));
                 let constant = if minus { constant - added } else { constant + added };
                 Some(Affine { constant, variable: part(a), ..self })
             }
-            Node::Add(a, b) if !moving[&a] => {
+            Node::Add(a, b) if graph.is_parametric(a) => {
                 Some(Affine { constant: constant + factor * part(a), variable: part(b), ..self })
             }
-            Node::Sub(a, b) if !moving[&a] => {
+            Node::Sub(a, b) if graph.is_parametric(a) => {
                 Some(Affine { constant: constant + factor * part(a), factor: -factor, variable: part(b) })
             }
             _ => None,

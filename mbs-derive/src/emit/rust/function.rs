@@ -144,7 +144,15 @@ impl Module<'_> {
 /// The values of each part in its shape.
 fn in_shape(routine: &Routine) -> Vec<String> {
     let parts = routine.parts.iter().zip(&routine.values);
-    parts.map(|((_, shape), values)| shaped(*shape, &mut values.iter())).collect()
+    let in_order = |values: &[String]| {
+        let array = values.first()?.strip_suffix("[0]")?;
+        let is_whole = values.iter().enumerate().all(|(k, value)| *value == format!("{array}[{k}]"));
+        is_whole.then(|| array.to_string())
+    };
+    let whole = |shape: Shape, values: &[String]| in_order(values).filter(|_| matches!(shape, Shape::Vector(_)));
+    parts
+        .map(|((_, shape), values)| whole(*shape, values).unwrap_or_else(|| shaped(*shape, &mut values.iter())))
+        .collect()
 }
 
 /// A matrix of this many columns.

@@ -7,10 +7,13 @@ use super::super::expression::Tree;
 use super::super::name::{escaped, table};
 use super::super::walk::{Place, Side, Syntax, Walk, Wanted, Writer, plain};
 use super::shape::array_of;
-use super::{Module, segment};
+use super::{Module, loops, segment};
 
 /// At most this many fields are bound to locals; of more, each is read as `self.k12`.
 const FIELDS: usize = 8;
+
+/// Lines of tables are of at most this many characters.
+const WIDTH: usize = 120;
 
 /// At most this many other constants are written out; of more, each is `c(0.295242)` with `let c = T::from_f64`.
 const WRITTEN_OUT: usize = 3;
@@ -47,6 +50,31 @@ pub(super) fn unmarked(line: &str) -> String {
     let comment = |line: &str| Some(line.trim_start().strip_prefix("comment!(\"")?.strip_suffix("\");")?.to_string());
     let indent = &line[..line.len() - line.trim_start().len()];
     comment(line).map_or_else(|| line.to_string(), |comment| format!("{indent}// {comment}"))
+}
+
+/// Whether a line of the formatted text begins a table of numbers.
+pub(super) fn opens_table(line: &str) -> bool {
+    line.trim_start().starts_with("static ") && line.ends_with("= [")
+}
+
+/// Writes a number of a table that begins with the line `begin` behind the one before, where there is room; whether it
+/// is one.
+pub(super) fn pack(text: &mut String, begin: &str, line: &str) -> bool {
+    let number = line.trim_start();
+    if !number.starts_with(|c: char| c == '-' || c.is_ascii_digit()) {
+        return false;
+    }
+    let last = text.trim_end_matches('\n').rsplit('\n').next().unwrap_or_default();
+    let indent = begin.len() - begin.trim_start().len();
+    if last == begin || last.len() + 1 + number.len() > WIDTH {
+        text.push_str(&" ".repeat(indent + 4));
+    } else {
+        text.pop();
+        text.push(' ');
+    }
+    text.push_str(number);
+    text.push('\n');
+    true
 }
 
 /// A literal, or π.
@@ -171,6 +199,10 @@ impl Syntax for Rust<'_, '_> {
 
     fn comment(&self, text: &str) -> String {
         marked(text)
+    }
+
+    fn rolled(&self, writer: &Writer<'_, '_>) -> Option<(Vec<String>, Vec<String>)> {
+        loops::lines(writer)
     }
 
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {

@@ -211,7 +211,7 @@ pub(crate) fn problems(lagrangian: &Draft<'_>) -> Vec<Problem> {
 /// A state and a direction of velocities through it.
 pub(in crate::model) struct Line {
     pub(in crate::model) state: State,
-    direction: Vec<f64>,
+    pub(in crate::model) direction: Vec<f64>,
     parameters: Vec<f64>,
     exact_parameters: Vec<Number>,
 }
@@ -315,7 +315,11 @@ impl Energies {
         let sum = |terms: &[Expr<'g>]| terms.iter().fold(lagrangian.graph.integer(0), |sum, &term| sum + term);
         let motion = sum(&lagrangian.kinetic) + sum(&lagrangian.lagrangian);
         let total = motion - sum(&lagrangian.potential);
-        Energies { kinetic: Tape::new(&lagrangian.kinetic), motion: Motion::new(motion), total: Tape::new(&[total]) }
+        Energies {
+            kinetic: Tape::new(&lagrangian.kinetic),
+            motion: Motion::new(motion, lagrangian.dof()),
+            total: Tape::new(&[total]),
+        }
     }
 
     fn is_finite(&self, line: &Line) -> bool {

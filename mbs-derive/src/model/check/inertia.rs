@@ -1,24 +1,52 @@
 //! Whether every motion that the constraints leave has inertia: the mass matrix of the declared energies.
 
-use crate::expr::{Dual, Expr, Residue, Rounded, Symbol, Tape, Value};
-use crate::numeric::elimination::{Elimination, eliminate_rounded, on_allowed_motions};
+use crate::expr::{Dual, Expr, Graph, Residue, Rounded, Symbol, Tape, Value, carry_out, gradient};
+use crate::numeric::elimination::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions};
 
 use crate::model::check::degree::{Line, Problem};
 use crate::model::check::rank::VelocityEquations;
 use crate::numeric::echelon::Echelon;
 
+/// Up to this many coordinates M is found by polarization, n² values of L; beyond by its gradient, n of these.
+const FEW: usize = 20;
+/// Of a mechanism of more coordinates than these M is not looked at as a whole: its accelerations are proved, and that
+/// they are finite.
+const MANY: usize = 100;
+
 /// `L + V`, which carries all velocities.
 pub(in crate::model) struct Motion {
     tape: Tape,
+    /// Its derivatives in the velocities, where there are many.
+    momenta: Option<Tape>,
 }
 
 impl Motion {
-    pub(in crate::model) fn new(sum: Expr<'_>) -> Self {
-        Motion { tape: Tape::new(&[sum]) }
+    /// Of a mechanism of n coordinates.
+    pub(in crate::model) fn new(sum: Expr<'_>, n: usize) -> Self {
+        Motion { tape: Tape::new(&[sum]), momenta: (n > FEW).then(|| momenta(sum, n)) }
+    }
+
+    /// M, row by row.
+    fn mass_matrix<V: Value>(&self, n: usize, at: impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<V> {
+        match &self.momenta {
+            None => self.by_polarization(n, at),
+            Some(_) => {
+                let unit = |i: usize| move |k: u32| V::constant(f64::from(u8::from(k as usize == i)));
+                let columns: Vec<Vec<V>> = (0..n).map(|i| self.momenta_of(&unit(i), &at)).collect();
+                (0..n * n).map(|k| columns[(k / n).min(k % n)][(k / n).max(k % n)]).collect()
+            }
+        }
+    }
+
+    /// `M v`
+    fn momenta_of<V: Value>(&self, v: &dyn Fn(u32) -> V, at: &impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<V> {
+        let Some(momenta) = &self.momenta else { return Vec::new() };
+        let with = |velocity: &dyn Fn(u32) -> V| momenta.run(|symbol| at(velocity, symbol).value);
+        with(v).into_iter().zip(with(&|_| V::constant(0.0))).map(|(moving, rest)| moving.sub(rest)).collect()
     }
 
     /// `Mᵢⱼ = L(eᵢ + eⱼ) − L(eᵢ) − L(eⱼ) + L(0)`, the polarization of a quadratic polynomial.
-    fn mass_matrix<V: Value>(&self, n: usize, at: impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<V> {
+    fn by_polarization<V: Value>(&self, n: usize, at: impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<V> {
         let with = |i: Option<usize>, j: Option<usize>| {
             let one = |k: u32, index: Option<usize>| f64::from(u8::from(index == Some(k as usize)));
             let velocity = |k: u32| V::constant(one(k, i) + one(k, j));
@@ -33,6 +61,39 @@ impl Motion {
     }
 }
 
+/// `∂L/∂q̇`
+fn momenta(sum: Expr<'_>, n: usize) -> Tape {
+    let graph = Graph::verbatim();
+    let rate = |symbol| match symbol {
+        Symbol::Time => Some(graph.integer(1)),
+        Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
+        Symbol::Prescribed(i, order) => Some(graph.symbol(Symbol::Prescribed(i, order + 1))),
+        Symbol::Velocity(_)
+        | Symbol::Acceleration(_)
+        | Symbol::Parameter(_)
+        | Symbol::Input(_)
+        | Symbol::Multiplier(_) => None,
+    };
+    let carried = carry_out(&[sum], &graph, rate)[0];
+    Tape::new(&gradient(carried, &(0..n as u32).map(Symbol::Velocity).collect::<Vec<_>>()))
+}
+
+/// Of many coordinates, one that has no inertia in a motion of all, or whose motion with others has a negative one.
+fn problem_of_many(motion: &Motion, lines: &[Line]) -> Option<Problem> {
+    let line = lines.first()?;
+    let at = |velocity: &dyn Fn(u32) -> Rounded, symbol| line.rounded(velocity, symbol);
+    let velocity = |i: u32| Rounded::exact(line.direction[i as usize]);
+    let momenta = motion.momenta_of(&velocity, &at);
+    if let Some(alone) = momenta.iter().position(|p| p.value == 0.0) {
+        return Some(Problem::NoInertia(alone));
+    }
+    let powers = || momenta.iter().zip(0..).map(|(&p, i)| p * velocity(i));
+    let twice_kinetic: Rounded = powers().sum();
+    let is_negative = twice_kinetic.value < -ROUNDING * twice_kinetic.error;
+    let least = (0..momenta.len()).zip(powers()).min_by(|(_, a), (_, b)| a.value.total_cmp(&b.value));
+    least.filter(|_| is_negative).map(|(i, _)| Problem::NegativeInertia(i))
+}
+
 /// What is wrong with the inertia of a mechanism, if anything.
 pub(in crate::model) fn problem(
     motion: &Motion,
@@ -40,14 +101,17 @@ pub(in crate::model) fn problem(
     lines: &[Line],
     n: usize,
 ) -> Option<Problem> {
+    if n > MANY && constraints.vectors().next().is_none() {
+        return problem_of_many(motion, lines);
+    }
     let matrix = |line: &Line| {
         let mass = motion.mass_matrix(n, |velocity, symbol| line.rounded(velocity, symbol));
         let rows = constraints.pfaffian(line, n).into_iter().zip(constraints.vectors());
         let (rows, vectors): (Vec<_>, Vec<_>) = rows.filter(|(row, _)| row.iter().all(|x| x.is_finite())).unzip();
         on_allowed_motions(n, mass, rows.concat().into_iter().map(Rounded::exact).collect(), &vectors)
     };
-    // Of a large mechanism, whose matrix takes n² evaluations, fewer states have to do.
-    let tried = lines.iter().take(if n > 20 { 2 } else { lines.len() });
+    // Of a large mechanism, whose matrix takes n evaluations of its gradient, fewer states have to do.
+    let tried = lines.iter().take(if n > FEW { 2 } else { lines.len() });
     let found: Vec<(Elimination, f64)> = tried.map(matrix).map(|m| eliminate_rounded(&m, n)).collect();
     if let Some((negative, _)) = found.iter().find(|(e, rounding)| e.smallest < -rounding) {
         return Some(Problem::NegativeInertia(negative.last));
@@ -102,6 +166,39 @@ mod tests {
         let [mass, row] = [mass.as_slice(), &row].map(|numbers| numbers.iter().copied().map(Rounded::exact).collect());
         let (found, rounding) = eliminate_rounded(&on_allowed_motions(3, mass, row, &[0]), 3);
         i32::from(found.smallest > rounding) - i32::from(found.smallest < -rounding)
+    }
+
+    /// `½ Σ (i + 1) vᵢ² + vᵢ vᵢ₊₁`, with rates and velocities.
+    #[test]
+    fn the_gradient_of_many_velocities_gives_what_polarization_does() {
+        let (graph, n) = (Graph::verbatim(), FEW + 1);
+        let rate = |i: usize| graph.symbol(Symbol::Coordinate(i as u32)).rate();
+        let velocity = |i: usize| graph.symbol(Symbol::Velocity(i as u32));
+        let term = |i: usize| rate(i) * velocity(i) * (i as i64 + 1) / 2 + rate(i) * rate((i + 1) % n);
+        let motion = Motion::new((1..n).fold(term(0), |sum, i| sum + term(i)), n);
+        let at = |velocity: &dyn Fn(u32) -> f64, symbol| match symbol {
+            Symbol::Coordinate(i) => Dual::new(0.3, velocity(i)),
+            Symbol::Velocity(i) => Dual::fixed(velocity(i)),
+            other => unreachable!("{other:?}"),
+        };
+        assert!(motion.momenta.is_some());
+        assert_eq!(motion.mass_matrix(n, at), motion.by_polarization(n, at));
+    }
+
+    #[test]
+    fn of_many_coordinates_one_without_inertia_or_with_a_negative_one_is_found() {
+        let report = |kinetic: &str| {
+            let text = format!(
+                "#![dimensionless] mechanism A {{ coord q[101]: 1; for i in 0..100 {{ kinetic += dt(q[i])^2; }} \
+                 potential += q[100]^2; kinetic += {kinetic}; }}"
+            );
+            let graph = Graph::verbatim();
+            crate::declared(&text, &graph, &[]).err().map(|found| found.render("a", &text)).unwrap_or_default()
+        };
+        assert_eq!(report("dt(q[100])^2"), "");
+        assert!(report("dt(q[0])^2").contains("coordinate `q[100]` has no inertia"), "{}", report("dt(q[0])^2"));
+        let negative = report("dt(q[100])^2 - 1000000*dt(q[7])^2*cos(q[3])^2");
+        assert!(negative.contains("negative"), "{negative}");
     }
 
     #[test]

@@ -16,8 +16,9 @@ use crate::parse::syntax::{Expression, Quantity, Span};
 /// Longer arrays are a slip of the pen.
 const MAX_LENGTH: i64 = 10_000;
 
-/// The derivatives that are generated and proved grow with the square and the cube of the number of coordinates.
-pub(in crate::model) const MAX_COORDINATES: usize = 100;
+/// Matrices that are generated and proved grow with the square and the cube of the number of coordinates; the dynamics
+/// of a chain grow with it.
+pub(in crate::model) const MAX_COORDINATES: usize = 3_000;
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// `param length: m = 0.5;`

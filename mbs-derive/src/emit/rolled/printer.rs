@@ -1,0 +1,309 @@
+//! The statements of loops, and of what stays beside them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::super::body::Body;
+use super::super::expression::Tree;
+use super::super::name::Scope;
+use super::{Family, Form, Forms, Group, Home, Parts, Rolled, Run, Seeds, Sink, Step, argument};
+
+/// An array with what it is called and the number of its first component.
+struct Array {
+    name: String,
+    first: i64,
+    count: usize,
+}
+
+/// Writes the steps.
+pub(super) struct Printer<'p> {
+    parts: &'p Parts,
+    runs: &'p [Run],
+    forms: &'p Forms,
+    seeds: BTreeMap<usize, Vec<(Family, i64)>>,
+    run_of: Vec<Option<usize>>,
+    arrays: BTreeMap<Family, Array>,
+    angles: String,
+    results: String,
+    index: String,
+    scope: Scope,
+    locals: Vec<String>,
+    texts: BTreeMap<String, usize>,
+    tables: Vec<(String, Vec<u64>)>,
+}
+
+impl<'p> Printer<'p> {
+    pub(super) fn new(body: &Body<'_>, parts: &'p Parts, runs: &'p [Run], forms: &'p Forms, seeds: &Seeds) -> Self {
+        let mut scope = body.scope.clone();
+        let mut run_of = vec![None; parts.groups.len()];
+        for (number, run) in runs.iter().enumerate() {
+            run.groups.clone().for_each(|group| run_of[group] = Some(number));
+        }
+        let [index, angles, results] = ["i", "angles", "results"].map(|name| scope.unique(name));
+        let mut read: BTreeSet<Family> = [0, 1].map(Family::OfAngles).into();
+        for leaf in parts.groups.iter().flat_map(|group| &group.leaves) {
+            let Tree::Local(local) = leaf else { continue };
+            if let Home::Binding(home, at) = parts.homes[local]
+                && let Some(run) = run_of[home]
+            {
+                read.insert(Family::OfRun(run, at));
+            }
+        }
+        let mut array = |family: Family| {
+            let seeded = seeds.range((family, i64::MIN)..=(family, i64::MAX)).map(|((_, slot), _)| *slot);
+            let (name, own) = match family {
+                Family::OfAngles(which) => {
+                    (["sines", "cosines"][which].to_string(), [0, parts.angles.len() as i64 - 1])
+                }
+                Family::OfRun(run, at) => {
+                    let groups = &runs[run].groups;
+                    let first = &parts.groups[groups.start];
+                    let name = of_any_link(&body.locals[first.bindings[at].0]);
+                    (name, [first.number, parts.groups[groups.end - 1].number])
+                }
+            };
+            let (least, most) = seeded.chain(own).fold((own[0], own[0]), |(a, b), slot| (a.min(slot), b.max(slot)));
+            let count = usize::try_from(most - least + 1).unwrap_or(0);
+            (family, Array { name: scope.unique(&name), first: least, count })
+        };
+        let arrays = read.into_iter().map(&mut array).collect();
+        let mut by_local: BTreeMap<usize, Vec<(Family, i64)>> = BTreeMap::new();
+        seeds.iter().for_each(|(&place, &local)| by_local.entry(local).or_default().push(place));
+        let singles = parts.groups.iter().filter(|group| group.sink.is_some()).count();
+        let mut locals = body.locals.clone();
+        locals.extend(vec![String::new(); singles]);
+        let (texts, tables) = (BTreeMap::new(), Vec::new());
+        Printer {
+            parts,
+            runs,
+            forms,
+            seeds: by_local,
+            run_of,
+            arrays,
+            angles,
+            results,
+            index,
+            scope,
+            locals,
+            texts,
+            tables,
+        }
+    }
+
+    pub(super) fn print(mut self) -> Rolled {
+        let (mut steps, mut group) = (Vec::new(), 0);
+        loop {
+            if self.parts.sines_at == Some(group) {
+                let names = [0, 1].map(|which| self.arrays[&Family::OfAngles(which)].name.clone());
+                steps.push(Step::SinesAndCosines(names, self.angles.clone()));
+                let locals: Vec<usize> = self.parts.angles.iter().flatten().flatten().copied().collect();
+                locals.into_iter().for_each(|local| self.seed(local, &mut steps));
+            }
+            match self.run_of.get(group) {
+                None => break,
+                Some(Some(run)) => {
+                    let run = *run;
+                    let groups = self.runs[run].groups.clone();
+                    let [first, last] = [groups.start, groups.end - 1].map(|group| &self.parts.groups[group]);
+                    if first.sink.is_none() {
+                        steps.push(Step::Links([first.number, last.number]));
+                    }
+                    steps.push(self.run(run));
+                    for (local, _) in self.parts.groups[groups.clone()].iter().flat_map(|group| &group.bindings) {
+                        self.seed(*local, &mut steps);
+                    }
+                    group = groups.end;
+                }
+                Some(None) => {
+                    self.alone(group, &mut steps);
+                    group += 1;
+                }
+            }
+        }
+        let results = self.parts.groups.iter().filter(|group| group.sink == Some(Sink::Results));
+        let numbers: Vec<i64> = results.map(|group| group.number).collect();
+        let results: Vec<Tree> = numbers.iter().map(|k| self.text(format!("{}[{k}]", self.results))).collect();
+        let kept = self.arrays.iter().filter(|(family, _)| matches!(family, Family::OfRun(..)));
+        let mut arrays: Vec<(String, usize)> = kept.map(|(_, array)| (array.name.clone(), array.count)).collect();
+        arrays.push((self.results.clone(), results.len()));
+        if self.parts.sines_at.is_some() {
+            arrays.push((self.angles.clone(), self.parts.angles.len()));
+        }
+        let of_bits = |bits: Vec<u64>| bits.into_iter().map(f64::from_bits).collect();
+        let tables = self.tables.into_iter().map(|(name, bits)| (name, of_bits(bits))).collect();
+        Rolled { locals: self.locals, arrays, tables, steps, results }
+    }
+
+    /// What stands for a text.
+    fn text(&mut self, text: String) -> Tree {
+        if let Some(&known) = self.texts.get(&text) {
+            return Tree::Local(known);
+        }
+        self.locals.push(text.clone());
+        self.texts.insert(text, self.locals.len() - 1);
+        Tree::Local(self.locals.len() - 1)
+    }
+
+    fn place(&mut self, text: String) -> usize {
+        match self.text(text) {
+            Tree::Local(local) => local,
+            _ => unreachable!("texts are locals"),
+        }
+    }
+
+    /// A component of an array.
+    fn component(&self, family: Family, number: i64) -> String {
+        let array = &self.arrays[&family];
+        format!("{}[{}]", array.name, number - array.first)
+    }
+
+    /// A component of an array that depends on the link of a loop.
+    fn shifted(&self, name: &str, shift: i64) -> String {
+        match shift {
+            0 => format!("{name}[{}]", self.index),
+            1.. => format!("{name}[{} + {shift}]", self.index),
+            _ => format!("{name}[{} - {}]", self.index, -shift),
+        }
+    }
+
+    /// A leaf outside of loops.
+    fn leaf(&mut self, leaf: &Tree) -> Tree {
+        match leaf {
+            Tree::Symbol(symbol) => match argument(*symbol) {
+                Some((name, number)) => self.text(format!("{name}[{number}]")),
+                None => leaf.clone(),
+            },
+            Tree::Local(local) => match self.parts.homes[local] {
+                Home::OfAngle(which, angle) => self.text(self.component(Family::OfAngles(which), angle)),
+                Home::Binding(home, at) => match self.run_of[home] {
+                    Some(run) => {
+                        let number = self.parts.groups[home].number;
+                        self.text(self.component(Family::OfRun(run, at), number))
+                    }
+                    None => leaf.clone(),
+                },
+            },
+            _ => leaf.clone(),
+        }
+    }
+
+    /// The statements of a group that is in no loop.
+    fn alone(&mut self, group: usize, steps: &mut Vec<Step>) {
+        let Group { number, sink, bindings, .. } = &self.parts.groups[group];
+        if sink.is_none() && *number > 0 {
+            steps.push(Step::Link(*number));
+        }
+        for (local, tree) in bindings {
+            let tree = tree.with_leaves(&mut |leaf| self.leaf(leaf));
+            match self.sink(*sink) {
+                Some(array) => {
+                    let place = self.place(format!("{array}[{number}]"));
+                    steps.push(Step::Keep(place, tree));
+                }
+                None => steps.push(Step::Let(*local, tree)),
+            }
+            self.seed(*local, steps);
+        }
+    }
+
+    fn sink(&self, sink: Option<Sink>) -> Option<String> {
+        sink.map(|sink| if sink == Sink::Angles { self.angles.clone() } else { self.results.clone() })
+    }
+
+    /// Keeps a value where loops look for it.
+    fn seed(&mut self, local: usize, steps: &mut Vec<Step>) {
+        for (family, number) in self.seeds.get(&local).cloned().unwrap_or_default() {
+            let value = self.leaf(&Tree::Local(local));
+            let place = self.place(self.component(family, number));
+            steps.push(Step::Keep(place, value));
+        }
+    }
+
+    /// A loop.
+    fn run(&mut self, run: usize) -> Step {
+        let (runs, parts) = (self.runs, self.parts);
+        let Run { groups, step, period } = &runs[run];
+        let first = parts.groups[groups.start].number;
+        let mut steps = Vec::new();
+        for place in 0..*period {
+            self.turn(run, place, &mut steps);
+        }
+        let count = groups.len() as i64;
+        let range = if *step < 0 { first - count + *period as i64..first + 1 } else { first..first + count };
+        let [first, end] = [range.start, range.end].map(|number| usize::try_from(number).unwrap_or(0));
+        Step::Loop { index: self.index.clone(), first, end, stride: *period, is_inwards: *step < 0, steps }
+    }
+
+    /// The statements of the groups at this place in the turns of a loop.
+    fn turn(&mut self, run: usize, place: usize, steps: &mut Vec<Step>) {
+        let (forms, Run { groups, step, period }) = (&self.forms[run][place], &self.runs[run]);
+        let group = &self.parts.groups[groups.start + place];
+        let ahead = place as i64 * step;
+        let own: BTreeMap<usize, usize> =
+            group.bindings.iter().enumerate().map(|(at, (local, _))| (*local, at)).collect();
+        let mut places = Vec::new();
+        for (at, (local, _)) in group.bindings.iter().enumerate() {
+            let kept = match (self.sink(group.sink), self.arrays.get(&Family::OfRun(run, at))) {
+                (Some(array), _) => Some(self.shifted(&array, ahead)),
+                (None, array) => array.map(|array| self.shifted(&array.name, ahead - array.first)),
+            };
+            places.push(match kept {
+                Some(component) => (self.place(component), true),
+                None => {
+                    let name = self.scope.unique(&of_any_link(&self.locals[*local]));
+                    self.locals.push(name);
+                    (self.locals.len() - 1, false)
+                }
+            });
+        }
+        let mut forms = forms.iter();
+        for ((_, tree), &(kept_at, is_kept)) in group.bindings.iter().zip(&places) {
+            let tree = tree.with_leaves(&mut |tree| {
+                if let Tree::Local(local) = tree
+                    && let Some(&at) = own.get(local)
+                {
+                    return Tree::Local(places[at].0);
+                }
+                if matches!(tree, Tree::Hoisted(_)) || matches!(tree, Tree::Symbol(s) if argument(*s).is_none()) {
+                    return tree.clone();
+                }
+                match forms.next() {
+                    None | Some(Form::Same) => self.leaf(tree),
+                    Some(Form::Argument(name, shift)) => self.text(self.shifted(name, shift + ahead)),
+                    Some(Form::Component(family, shift)) => {
+                        let Array { name, first, .. } = &self.arrays[family];
+                        self.text(self.shifted(name, shift + ahead - first))
+                    }
+                    Some(Form::Table(bits)) => {
+                        let table = self.table(bits.clone());
+                        let numbers = self.parts.groups[groups.clone()].iter().skip(place).step_by(*period);
+                        let least = numbers.map(|group| group.number).min().unwrap_or(0);
+                        let entry = self.shifted("", ahead - least);
+                        let entry = match period {
+                            1 => entry,
+                            _ => format!("[({}) / {period}]", entry.trim_matches(['[', ']'])),
+                        };
+                        self.text(format!("T::from_f64({table}{entry})"))
+                    }
+                }
+            });
+            steps.push(if is_kept { Step::Keep(kept_at, tree) } else { Step::Let(kept_at, tree) });
+        }
+    }
+
+    /// The name of a table of these numbers.
+    fn table(&mut self, bits: Vec<u64>) -> String {
+        if let Some((name, _)) = self.tables.iter().find(|(_, known)| *known == bits) {
+            return name.clone();
+        }
+        let name = self.scope.unique("NUMBERS");
+        self.tables.push((name.clone(), bits));
+        name
+    }
+}
+
+/// `w12x_a` → `wjx_a`: the name of a local with the number of its link left open.
+fn of_any_link(name: &str) -> String {
+    let Some(start) = name.find(|c: char| c.is_ascii_digit()) else { return name.to_string() };
+    let rest = name[start..].trim_start_matches(|c: char| c.is_ascii_digit());
+    format!("{}j{rest}", &name[..start])
+}

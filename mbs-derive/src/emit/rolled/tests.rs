@@ -1,0 +1,66 @@
+use super::super::{Language, Options};
+use crate::Analysis;
+use crate::expr::Graph;
+use crate::source::Sources;
+
+/// A chain of links about skew axes.
+fn chain(links: usize) -> String {
+    format!(
+        "mechanism Chain {{
+            coord q[{links}]: rad;
+            input u[{links}]: N*m;
+            let moments = inertia(9 kg*m^2, 8 kg*m^2, 7 kg*m^2, 1 kg*m^2, 2 kg*m^2, 3 kg*m^2);
+            let mut link = world;
+            for i in 0..{links} {{
+                link = link * translation([1 m, 2 m, 3 m]) * rotation([0.4, -0.3, 0.7], 0.8)
+                    * rotation([0.36, -0.48, 0.8], q[i]);
+                kinetic += rigid_body(2 kg, [1 m, 2 m, 3 m], moments, link);
+                potential += 2 kg * 10 m/s^2 * link.point([1 m, 2 m, 3 m]).z;
+            }}
+            force q += u;
+        }}"
+    )
+}
+
+/// The text of inverse and forward dynamics, and whether it is right with this in the place of that, wherever it stands
+/// in the loops.
+fn emitted(links: usize, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
+    let (graph, text) = (Graph::verbatim(), chain(links));
+    let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
+    let analysis = Analysis::with_options(&Sources::new("chain.mbs", &text), &graph, &options).unwrap();
+    let programs = analysis.programs();
+    let code = Language::Rust.write(programs, "chain.mbs", &options);
+    programs.proofread(Language::Rust, &options, &code).unwrap();
+    let is_right = |(from, to): &(&str, &str)| {
+        let (before, behind) = code.split_once("for i in (").expect("a loop");
+        assert!(behind.contains(from), "{from}");
+        let wrong = format!("{before}for i in ({}", behind.replacen(from, to, 1));
+        programs.proofread(Language::Rust, &options, &wrong).is_ok()
+    };
+    let right = mutations.iter().map(is_right).collect();
+    (code, right)
+}
+
+#[test]
+fn links_that_repeat_are_written_once() {
+    let [(shorter, _), (longer, _)] = [40, 60].map(|links| emitted(links, &[]));
+    let [lines, more] = [&shorter, &longer].map(|code| code.lines().filter(|line| line.contains(" = ")).count());
+    assert!(shorter.contains("for i in ") && lines.abs_diff(more) * 20 < lines, "{lines} {more}");
+    // Tables, names and lengths alone grow.
+    let [length, further] = [&shorter, &longer].map(String::len);
+    assert!(further < length + 30_000, "{length} {further}");
+}
+
+#[test]
+fn few_links_are_written_one_by_one() {
+    let (code, _) = emitted(12, &[]);
+    assert!(!code.contains("for i in ") && code.contains("w12"));
+}
+
+#[test]
+fn loops_are_read_again_turn_by_turn() {
+    let mutations =
+        [(".rev()", ""), ("[i]", "[i - 1]"), ("[i - 1]", "[i]"), (" = sines", " = cosines"), ("q[i", "qd[i")];
+    let (_, right) = emitted(40, &mutations);
+    assert_eq!(right, [false; 5]);
+}
