@@ -196,7 +196,8 @@ mod tests {
             crate::declared(&text, &graph, &[]).err().map(|found| found.render("a", &text)).unwrap_or_default()
         };
         assert_eq!(report("dt(q[100])^2"), "");
-        assert!(report("dt(q[0])^2").contains("coordinate `q[100]` has no inertia"), "{}", report("dt(q[0])^2"));
+        let cancelled = report("dt(q[100])^2 - dt(q[100])^2");
+        assert!(cancelled.contains("coordinate `q_100` has no inertia"), "{cancelled}");
         let negative = report("dt(q[100])^2 - 1000000*dt(q[7])^2*cos(q[3])^2");
         assert!(negative.contains("negative"), "{negative}");
     }
