@@ -5,7 +5,7 @@ use serde_json::Value;
 
 const ESTIMATOR: &str = env!("CARGO_BIN_EXE_estimator");
 
-/// Landings of each case, fewer than the program flies unasked: bounds and deviations are of so many.
+/// Landings of each case, fewer than the program flies unasked; bounds and deviations follow from this number.
 const LANDINGS: f64 = 200.0;
 
 /// Averages over landings are within bounds about as often as these say: of 27 times, which are not independent, at
