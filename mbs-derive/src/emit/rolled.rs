@@ -257,7 +257,11 @@ impl Parts {
         let belongs = |end: &usize| {
             let (group, before) = (&self.groups[*end], &self.groups[*end - 1]);
             let follows = group.number - before.number == step && group.sink == before.sink;
-            let repeats = *end < start + period || group.shape == self.groups[*end - period].shape;
+            // A component of an array is bound at each place of a turn.
+            let repeats = match end.checked_sub(period).filter(|before| *before >= start) {
+                Some(before) => group.shape == self.groups[before].shape,
+                None => group.bindings.len() == self.groups[start].bindings.len(),
+            };
             follows && repeats && !excluded[*end] && self.sines_at != Some(*end)
         };
         let count = 1 + (start + 1..self.groups.len()).take_while(belongs).count();

@@ -22,12 +22,35 @@ fn chain(links: usize) -> String {
     )
 }
 
+/// A sledge that carries two chains, of links that grow heavier and of such that do not.
+const FORK: &str = "mechanism Chain {
+    coord s: m;
+    coord a[20]: rad;
+    coord b[20]: rad;
+    param k: N*m/rad = 2;
+    let sledge = translation([s, 0, 0]);
+    kinetic += rigid_body(3 kg, [0, 0, 0], diag(1 kg*m^2, 1 kg*m^2, 1 kg*m^2), sledge);
+    let mut p = sledge;
+    let mut r = sledge * rot_z(90 deg);
+    for i in 0..20 {
+        p = p * rotation([0.6, 0, 0.8], a[i]) * translation([0.3 m, 0, 0.1 m]);
+        r = r * rot_x(b[i]) * translation([0, 0.2 m, 0]) * rot_z(0.3);
+        kinetic += rigid_body(1 kg + 0.01 kg*i, [0.1 m, 0, 0], diag(0.02 kg*m^2, 0.03 kg*m^2, 0.04 kg*m^2), p);
+        kinetic += rigid_body(0.5 kg, [0, 0.1 m, 0], diag(0.02 kg*m^2, 0.01 kg*m^2, 0.02 kg*m^2), r);
+        potential += 1/2*k*a[i]^2;
+    }
+}";
+
 /// The text of inverse and forward dynamics, and whether it is right with this in the place of that, wherever it stands
 /// in the loops.
 fn emitted(links: usize, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
-    let (graph, text) = (Graph::verbatim(), chain(links));
+    emitted_of(&chain(links), mutations)
+}
+
+fn emitted_of(text: &str, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
+    let graph = Graph::verbatim();
     let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
-    let analysis = Analysis::with_options(&Sources::new("chain.mbs", &text), &graph, &options).unwrap();
+    let analysis = Analysis::with_options(&Sources::new("chain.mbs", text), &graph, &options).unwrap();
     let programs = analysis.programs();
     let code = Language::Rust.write(programs, "chain.mbs", &options);
     programs.proofread(Language::Rust, &options, &code).unwrap();
@@ -63,4 +86,10 @@ fn loops_are_read_again_turn_by_turn() {
         [(".rev()", ""), ("[i]", "[i - 1]"), ("[i - 1]", "[i]"), (" = sines", " = cosines"), ("q[i", "qd[i")];
     let (_, right) = emitted(40, &mutations);
     assert_eq!(right, [false; 5]);
+}
+
+#[test]
+fn trees_of_several_chains_are_right_whatever_is_rolled_of_them() {
+    let (code, _) = emitted_of(FORK, &[]);
+    assert!(code.contains("fn forward_dynamics"));
 }
