@@ -1,4 +1,4 @@
-//! Chains of 5, 10, 20 and 40 links in space: inverse dynamics, and forward dynamics by articulated bodies where they
+//! Chains of 5 to 200 links in space: inverse dynamics, and forward dynamics by articulated bodies where they
 //! need fewer operations; beside the general algorithms of Featherstone on nalgebra.
 //!
 //! `cargo bench -p mbs-benches --bench chains`; `items` are states. `growth` times the same, and checks that they
@@ -57,6 +57,8 @@ chain!(five, 5);
 chain!(ten, 10);
 chain!(twenty, 20);
 chain!(forty, 40);
+chain!(fifty, 50);
+chain!(two_hundred, 200);
 
 /// As many hinges, one like the other; the general algorithms take the same time for all numbers.
 fn general(links: usize) -> Model {

@@ -3,6 +3,34 @@
 
 include!(concat!(env!("OUT_DIR"), "/chains.rs"));
 
+/// What the generated code of a chain of N links does.
+pub trait Chain<const N: usize> {
+    /// The torques that move it so.
+    fn inverse_dynamics(&self, q: &[f64; N], qd: &[f64; N], qdd: &[f64; N]) -> [f64; N];
+    /// The accelerations under these torques.
+    fn forward_dynamics(&self, q: &[f64; N], qd: &[f64; N], tau: &[f64; N]) -> [f64; N];
+}
+
+macro_rules! chain {
+    ($module:ident, $n:literal) => {
+        impl Chain<$n> for $module::NChain<f64> {
+            fn inverse_dynamics(&self, q: &[f64; $n], qd: &[f64; $n], qdd: &[f64; $n]) -> [f64; $n] {
+                self.inverse_dynamics(q, qd, qdd)
+            }
+            fn forward_dynamics(&self, q: &[f64; $n], qd: &[f64; $n], tau: &[f64; $n]) -> [f64; $n] {
+                self.forward_dynamics(q, qd, tau)
+            }
+        }
+    };
+}
+
+chain!(five, 5);
+chain!(ten, 10);
+chain!(twenty, 20);
+chain!(forty, 40);
+chain!(fifty, 50);
+chain!(two_hundred, 200);
+
 #[cfg(test)]
 mod tests {
     use mbs_derive::expr::Graph;

@@ -20,15 +20,15 @@ pub(crate) struct Scale {
     pub(crate) step: f64,
 }
 
-/// The least and the greatest of the values that are finite; `None` where there are none, or they are further apart
-/// than a number can say.
+/// The least and the greatest of the values that are finite; `None` where there are none, or where their difference
+/// overflows.
 pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let finite = values.filter(|x| x.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     (low <= high && (high - low).is_finite()).then_some([low, high])
 }
 
-/// A range that has a length, as it is; one of the length 1 instead of what is empty, not finite or not a number: in
+/// A range that has a length, as it is; one of the length 1 instead of what is empty, NaN or not finite: in
 /// its middle is where that one starts.
 pub(crate) fn with_length(range: Range<f64>) -> Range<f64> {
     let length = range.end - range.start;

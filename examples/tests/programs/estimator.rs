@@ -5,21 +5,18 @@ use serde_json::Value;
 
 const ESTIMATOR: &str = env!("CARGO_BIN_EXE_estimator");
 
-/// Landings of each case, fewer than the program flies unasked; bounds and deviations follow from this number.
-const LANDINGS: f64 = 200.0;
-
-/// Averages over landings are within bounds about as often as these say: of 27 times, which are not independent, at
+/// Averages over 500 landings are within bounds about as often as these say: of 27 times, which are not independent, at
 /// most one is beyond 99 %.
 #[test]
 fn squares_of_errors_and_innovations_are_within_their_bounds() {
-    let found = json(&good(ESTIMATOR, &["--json", "--members", &LANDINGS.to_string()]));
+    let found = json(&good(ESTIMATOR, &["--json"]));
     assert_eq!(keys(&found), ["I", "II", "assumed"]);
     for case in ["I", "II"] {
         let of_case = &found[case];
-        assert_eq!(number(&of_case["runs"]), LANDINGS);
+        assert_eq!(of_case["runs"], 500);
         let nees = &of_case["nees"];
-        // Tables of χ² end before 3000 degrees; a normal distribution of the same mean and variance is near.
-        let half = 1.959_963_985 * (30.0_f64 / LANDINGS).sqrt();
+        // Tables of χ² end before 7500 degrees; a normal distribution of the same mean and variance is near.
+        let half = 1.959_963_985 * (30.0_f64 / 500.0).sqrt();
         let [low, high] = [0, 1].map(|i| numbers(&nees["bounds_95"][i])[0]);
         assert!((low - (15.0 - half)).abs() < 0.01 && (high - (15.0 + half)).abs() < 0.01, "{low} {high}");
         let mean = numbers(&nees["mean"]);

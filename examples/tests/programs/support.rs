@@ -27,7 +27,7 @@ pub(crate) fn refused(program: &str, arguments: &[&str]) -> String {
     told
 }
 
-/// The SVG of a figure, which is there as PNG, too, both whole and without what is no number.
+/// The SVG of a figure, which is there as PNG, too; both are whole, and there is no NaN in the SVG.
 #[track_caller]
 pub(crate) fn figure(folder: &Path, name: &str) -> String {
     let svg = std::fs::read_to_string(folder.join(format!("{name}.svg"))).unwrap();
