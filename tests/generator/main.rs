@@ -15,6 +15,7 @@ mod readable;
 mod reference;
 mod robustness;
 mod rope;
+mod sparse;
 mod structured;
 mod textbook;
 mod ui;

@@ -13,12 +13,17 @@
 //! is then decided at run time, by the runtime's `constrained_solve`; `expr/constrained.rs` does the same in process.
 //! Nocedal & Wright, *Numerical Optimization*, 2nd ed. 2006, section 16.2.
 
+mod elimination;
+
 use crate::equations::{Constraints, Factorization, ForwardDynamics, Lagrange, Rows, Step};
 use crate::expr::Expr;
 use crate::mistake::rule;
 
-/// Up to this many coordinates the factorization of M is unrolled in the generated function; beyond, the runtime's loop
-/// takes the mass matrix, because `n³/6` statements would be slower than a loop.
+use elimination::Elimination;
+
+/// Up to this many coordinates the factorization of M is unrolled in the generated function, whatever M; of more where
+/// zeros of M make each of them cost no more than in a full matrix of this many. Else the runtime's loop takes the mass
+/// matrix, because `n³/6` statements would be slower than a loop.
 pub const LARGEST_UNROLLED: usize = 8;
 
 /// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and
@@ -27,9 +32,10 @@ pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constr
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let (mass_matrix, jacobian) = (lagrange.mass_matrix.clone(), constraints.jacobian.clone());
-    let is_unrolled = jacobian.is_empty() && (1..=LARGEST_UNROLLED).contains(&mass_matrix.len());
-    let factorization = is_unrolled.then(|| Factorization::new(&mass_matrix));
+    let elimination = Some(Elimination::of(&mass_matrix)).filter(|way| jacobian.is_empty() && way.is_unrolled());
+    let factorization = elimination.as_ref().map(|elimination| Factorization::by(elimination, &mass_matrix));
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
+    let factorization = factorization.filter(|_| elimination.is_some_and(|way| way.is_unrolled_for_columns()));
     let articulated = lagrange.accelerations.clone().filter(|_| jacobian.is_empty());
     ForwardDynamics { mass_matrix, jacobian, right_side, unrolled, factorization, articulated }
 }
@@ -45,33 +51,50 @@ impl ForwardDynamics<'_> {
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes the lower triangle of `m`, in the order of its rows.
+    /// Factorizes the lower triangle of `m`.
+    #[cfg(test)]
     pub(crate) fn new(m: &Rows<'g>) -> Self {
-        let mut lower: Rows<'g> = Vec::new();
-        let mut reciprocal: Vec<Expr<'g>> = Vec::new();
-        for i in 0..m.len() {
+        Factorization::by(&Elimination::of(m), m)
+    }
+
+    /// Factorizes the lower triangle of `m` in this order; i, j and k count in it.
+    fn by(elimination: &Elimination, m: &Rows<'g>) -> Self {
+        let Elimination { order, rows } = elimination;
+        let entry = |i: usize, j: usize| m[order[i].max(order[j])][order[i].min(order[j])];
+        let note =
+            |e: Expr<'g>, what: &str, i: usize, j: usize| e.note(format_args!("{what}_{}_{}", order[i], order[j]));
+        // Rows of L: where there is an entry, and it.
+        let mut lower: Vec<Vec<(usize, Expr<'g>)>> = Vec::new();
+        let (mut reciprocal, mut columns): (Vec<Expr<'g>>, _) = (Vec::new(), vec![Vec::new(); order.len()]);
+        for (i, in_row) in rows.iter().enumerate() {
             // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
-            let mut scaled: Vec<Expr<'g>> = Vec::new();
-            (0..=i).for_each(|j| m[i][j].note(format_args!("m_{i}_{j}")));
-            for j in 0..i {
-                scaled.push((0..j).fold(m[i][j], |sum, k| sum - scaled[k] * lower[j][k]));
+            for &j in in_row.iter().chain([&i]) {
+                let (row, column) = (order[i].max(order[j]), order[i].min(order[j]));
+                m[row][column].note(format_args!("m_{row}_{column}"));
             }
-            let row: Vec<_> = (0..i).map(|j| scaled[j] * reciprocal[j]).collect();
-            for j in 0..i {
-                scaled[j].note(format_args!("ld_{i}_{j}"));
-                row[j].note(format_args!("l_{i}_{j}"));
+            let mut of_row: Vec<(usize, Expr<'g>)> = Vec::new();
+            for &j in in_row {
+                let products = common(&of_row, &lower[j]);
+                of_row.push((j, products.fold(entry(i, j), |sum, (a, b)| sum - a * b)));
+            }
+            let row: Vec<_> = of_row.iter().map(|&(j, e)| (j, e * reciprocal[j])).collect();
+            for (&(j, e), &(_, factor)) in of_row.iter().zip(&row) {
+                note(e, "ld", i, j);
+                note(factor, "l", i, j);
+                columns[j].push((order[i], factor));
             }
             // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ
-            let pivot = (0..i).fold(m[i][i], |sum, k| sum - rule!("a pivot", scaled[k], row[k]) * row[k]);
-            pivot.note(format_args!("d_{i}"));
+            let pairs = of_row.iter().zip(&row);
+            let pivot =
+                pairs.fold(entry(i, i), |sum, ((_, e), (_, factor))| sum - rule!("a pivot", *e, *factor) * *factor);
+            pivot.note(format_args!("d_{}", order[i]));
             reciprocal.push(pivot.powi(-1));
             lower.push(row);
         }
-        let step = |(pivot, reciprocal)| {
-            let column = (pivot + 1..m.len()).map(|i| (i, lower[i][pivot])).collect();
-            Step { pivot, column, reciprocal }
-        };
-        Factorization { steps: reciprocal.into_iter().enumerate().map(step).collect() }
+        let steps = order.iter().zip(columns).zip(reciprocal);
+        Factorization {
+            steps: steps.map(|((&pivot, column), reciprocal)| Step { pivot, column, reciprocal }).collect(),
+        }
     }
 
     /// `M⁻¹ b`: forward substitution, scaling, back substitution.
@@ -102,4 +125,12 @@ impl<'g> Factorization<'g> {
         }
         x
     }
+}
+
+/// The entries of two rows in the columns in which both have one.
+fn common<'a, 'g>(
+    a: &'a [(usize, Expr<'g>)],
+    b: &'a [(usize, Expr<'g>)],
+) -> impl Iterator<Item = (Expr<'g>, Expr<'g>)> + use<'a, 'g> {
+    a.iter().filter_map(|(k, e)| Some((*e, b[b.binary_search_by_key(k, |(k, _)| *k).ok()?].1)))
 }

@@ -75,9 +75,11 @@ pub fn eliminate(m: &[f64], n: usize) -> Elimination {
             return Elimination { smallest: a[last * (n + 1)], last };
         }
         left.swap_remove(at);
-        for &i in &left {
+        // Of a large mechanism most entries are zero, and stay so.
+        let coupled: Vec<usize> = left.iter().copied().filter(|&i| a[i * n + k] != 0.0).collect();
+        for &i in &coupled {
             let factor = a[i * n + k] / pivot;
-            left.iter().for_each(|&j| a[i * n + j] -= factor * a[k * n + j]);
+            coupled.iter().for_each(|&j| a[i * n + j] -= factor * a[k * n + j]);
         }
     }
     result
