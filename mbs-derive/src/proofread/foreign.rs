@@ -267,7 +267,8 @@ impl Comparison<'_, '_> {
         }
         // What is called is there.
         let called = reader.tokens.iter().zip(reader.tokens.iter().skip(1)).filter(|(_, next)| next.is("("));
-        let is_missing = |name: &&str| name.to_lowercase().starts_with("mbs_") && !self.known.contains(*name);
+        let is_known = |name: &str| self.known.contains(name) || self.sheet.own.contains(name);
+        let is_missing = |name: &&str| name.to_lowercase().starts_with("mbs_") && !is_known(name);
         let names = called.map(|(token, _)| token.text.split('.').next().unwrap_or_default());
         match names.filter(|name| !["mbs_self", "mbs_result", "mbs_fmu_switches"].contains(name)).find(is_missing) {
             Some(name) => Err(format!("`{name}` is missing")),

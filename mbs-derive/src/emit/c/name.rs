@@ -329,13 +329,61 @@ const LIBRARY: &[&str] = &[
     "shuffle",
 ];
 
+/// Macros of the headers that headers of C++ include, besides those that begin or end as others do.
+const MACROS: &[&str] = &[
+    "errno",
+    "alloca",
+    "offsetof",
+    "math_errhandling",
+    "stdin",
+    "stdout",
+    "stderr",
+    "BUFSIZ",
+    "FILENAME_MAX",
+    "FOPEN_MAX",
+    "TMP_MAX",
+    "L_tmpnam",
+    "L_ctermid",
+    "L_cuserid",
+    "P_tmpdir",
+    "RAND_MAX",
+    "MB_CUR_MAX",
+    "NFDBITS",
+    "MAXFLOAT",
+    "BYTE_ORDER",
+    "BIG_ENDIAN",
+    "LITTLE_ENDIAN",
+    "PDP_ENDIAN",
+    "WEOF",
+    "WNOHANG",
+    "WUNTRACED",
+    "WSTOPPED",
+    "WEXITED",
+    "WCONTINUED",
+    "WNOWAIT",
+];
+
+/// Whether a header of the library may define a macro of this name.
+fn is_macro(name: &str) -> bool {
+    let begins = |starts: &[&str]| starts.iter().any(|start| name.starts_with(start));
+    let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
+    // ISO/IEC 9899:2011, 7.31.3, leaves an E with a capital letter to errno.h; in use are those of three letters and more.
+    let is_error =
+        name.len() > 2 && name.starts_with('E') && name[1..].chars().all(|c| matches!(c, 'A'..='Z' | '0'..='9'));
+    let is_limit = begins(&["INT", "UINT", "PTRDIFF", "SIZE", "WCHAR", "WINT", "SIG_ATOMIC"])
+        && ends(&["_MAX", "_MIN", "_C", "_WIDTH"]);
+    let is_of_math = begins(&["M_", "FP_", "MATH_", "SNAN", "HUGE_VAL"]);
+    let is_of_the_system = begins(&["LC_", "SEEK_", "FD_", "EXIT_", "RENAME_"]);
+    is_error || is_limit || is_of_math || is_of_the_system || MACROS.contains(&name)
+}
+
 /// The identifier for a name of Rust.
 pub(super) fn identifier(name: &str) -> String {
     let plain = name.strip_prefix("r#").unwrap_or(name);
     let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
-    let is_macro = begins(&["MBS_", "M_", "FP_", "MATH_", "CL_", "CLK_", "_"]) || plain.contains("__");
+    let is_reserved = begins(&["MBS_", "CL_", "CLK_", "_"]) || plain.contains("__") || is_macro(plain);
     let is_vector = |length: &&str| plain.strip_suffix(*length).is_some_and(|element| ELEMENTS.contains(&element));
-    if is_macro
+    if is_reserved
         || LENGTHS.iter().any(is_vector)
         || TAKEN.contains(&plain)
         || begins(&["mbs_", "by_q"])
@@ -349,5 +397,30 @@ pub(super) fn identifier(name: &str) -> String {
 
 /// What names of a mechanism begin with, and its struct is called.
 pub(super) fn prefix(mechanism: &str) -> String {
-    if LIBRARY.contains(&mechanism) { format!("c_{mechanism}") } else { identifier(mechanism) }
+    if ["mbs", "std"].contains(&mechanism) || LIBRARY.contains(&mechanism) {
+        format!("c_{mechanism}")
+    } else {
+        identifier(mechanism)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_header_may_define_is_called_otherwise() {
+        for name in
+            ["EOF", "EIO", "E2BIG", "ERANGE", "errno", "INT8_MAX", "SIZE_MAX", "SEEK_SET", "M_PI", "NAN", "double4"]
+        {
+            assert_eq!(identifier(name), format!("c_{name}"));
+        }
+        for name in ["E", "EI", "Ex", "INTake", "L_max", "mass", "M", "F_D"] {
+            assert_eq!(identifier(name), name);
+        }
+        assert_eq!(
+            ["mbs", "std", "sin", "mbs_arm", "arm"].map(prefix),
+            ["c_mbs", "c_std", "c_sin", "c_mbs_arm", "arm"]
+        );
+    }
 }

@@ -21,7 +21,8 @@ pub(in crate::emit) fn python(derivation: &Derivation, source: &str, options: &O
     let tables = tables(&walk);
     let shared = needed(SHARED, "#", &body);
     let body = format!("{}{tables}{}{body}", results(&routines, &body), spaced(&shared));
-    let is_imported = |module: &str| uses(&body, module);
+    let code = without_texts(&body);
+    let is_imported = |module: &str| uses(&code, module);
     let mut text = docstring(&walk.docs(), 0);
     text += "\n";
     for (module, line) in [
@@ -33,6 +34,12 @@ pub(in crate::emit) fn python(derivation: &Derivation, source: &str, options: &O
         text += if is_imported(module) { line } else { "" };
     }
     text + "\nimport numpy as np\n\n\n" + &body
+}
+
+/// The code without what stands in quotes, documentation included.
+fn without_texts(code: &str) -> String {
+    let outside_of = |text: &str, quote: &str| text.split(quote).step_by(2).collect::<Vec<_>>().join(" ");
+    outside_of(&outside_of(code, "\"\"\""), "\"")
 }
 
 /// Keywords.
@@ -52,10 +59,10 @@ fn member(name: &str) -> String {
     if name.starts_with('_') || is_keyword(name) { format!("py_{name}") } else { name.to_string() }
 }
 
-/// The name of a method, where others are of the class.
+/// The name of a method, where others are of the class, or its decorators read them there.
 fn method_name(name: &str) -> String {
     match name {
-        "coordinates" | "inputs" => format!("{name}_2"),
+        "coordinates" | "inputs" | "np" => format!("{name}_2"),
         name => member(name),
     }
 }

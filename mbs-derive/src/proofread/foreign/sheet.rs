@@ -1,5 +1,7 @@
 //! What functions are to give, as each language writes it: values are slots of a text, `⟨17⟩`.
 
+use std::collections::HashSet;
+
 use crate::emit::{Identifiers, Options};
 use crate::expr::Symbol;
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind, Program};
@@ -23,6 +25,8 @@ pub(super) struct Expected {
     pub(super) table: String,
     /// The constant that says how many numbers a mechanism is.
     pub(super) numbers_name: String,
+    /// What the text itself defines.
+    pub(super) own: HashSet<String>,
 }
 
 /// What the statements of a function see.
@@ -110,8 +114,11 @@ impl<'d, 'n> Sheet<'d, 'n> {
     }
 
     pub(super) fn finished(self, text: String) -> Expected {
-        let prefix = &self.identifiers.mechanism;
+        let Identifiers { mechanism: prefix, class, functions, .. } = &self.identifiers;
+        let functions = functions.iter().flat_map(|(_, name, known_as)| [name, known_as]);
+        let own = functions.chain([prefix, class]).cloned().collect();
         Expected {
+            own,
             text,
             numbers: self.numbers,
             scopes: self.scopes,

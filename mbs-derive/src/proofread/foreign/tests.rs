@@ -194,3 +194,25 @@ fn what_has_the_same_value_is_told_from_what_has_not() {
         assert!(read("x / k").is_err() && read("k * k").is_err(), "{}", language.name());
     }
 }
+
+/// Names that the pieces shared by files, macros of C++, and modules of Python have already, and words in documentation.
+#[test]
+fn names_that_are_taken_are_read_as_others() {
+    let text = "mechanism Mbs {
+        /// Read with math, a dataclass, a SimpleNamespace and mbs_solve.
+        param EOF: kg = 1;
+        coord math: m; coord errno: m; input SimpleNamespace: N;
+        kinetic += EOF*(dt(math)^2 + dt(errno)^2)/2;
+        force math += SimpleNamespace;
+        output mbs_height = 2*math; output MBS_FN = errno; output np = math; output std = errno;
+    }";
+    let derivation = derived(std::path::Path::new("mbs.mbs"), text.to_string());
+    for language in others() {
+        let options = Options::default();
+        let text = language.write(&derivation, "mbs.mbs", &options);
+        derivation.proofread(language, &options, &text).unwrap_or_else(|fault| panic!("{}: {fault}", language.name()));
+        if language == Language::Python {
+            assert!(text.contains("def np_2(") && !text.contains("import math"), "{text}");
+        }
+    }
+}
