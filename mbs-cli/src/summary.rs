@@ -207,9 +207,10 @@ impl Statistics {
         let moments: Moments = sorted.iter().copied().collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let indices = variables.and_then(|count| indices(values, count, seed)).unwrap_or_default();
+        let mean = if moments.count > 0 { moments.mean } else { f64::NAN };
         Statistics {
             count: moments.count,
-            mean: Estimate { value: moments.mean, interval: Some(moments.mean_interval(CONFIDENCE)) },
+            mean: Estimate { value: mean, interval: Some(moments.mean_interval(CONFIDENCE)) },
             deviation: moments.deviation(),
             sorted,
             indices: indices.into_iter().map(|i| [Estimate::of(i.first), Estimate::of(i.total)]).collect(),
@@ -232,7 +233,7 @@ impl Statistics {
         // What rounding leaves of a share that is zero.
         let share = |share: f64| Estimate::exact(if share < 1e-14 { 0.0 } else { share });
         let index = |i: usize| [share(chaos.first(i)), share(chaos.total(i))];
-        let varies = chaos.variance() > 0.0;
+        let varies = chaos.varies();
         Statistics {
             count,
             mean: Estimate::exact(chaos.mean()),
@@ -285,6 +286,13 @@ fn short(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_no_member_has_has_no_mean() {
+        let statistics = Statistics::of_members(&[f64::NAN; 4], None, 0);
+        assert_eq!(statistics.count, 0);
+        assert_eq!(bounded(statistics.mean.value, statistics.mean.interval), "-");
+    }
 
     #[test]
     fn numbers_have_five_digits() {

@@ -63,6 +63,12 @@ impl Moments {
     }
 }
 
+/// Whether a variance is more than what rounding leaves of that of a constant.
+fn varies(mean: f64, variance: f64) -> bool {
+    const ROUNDING: f64 = 1e-12;
+    variance.sqrt() > ROUNDING * mean.abs()
+}
+
 impl FromIterator<f64> for Moments {
     fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
         let mut moments = Moments::default();

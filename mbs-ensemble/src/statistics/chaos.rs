@@ -205,6 +205,16 @@ impl Chaos {
         self.part(|_| true)
     }
 
+    /// Whether it varies by more than rounding leaves.
+    pub fn varies(&self) -> bool {
+        super::varies(self.mean(), self.variance())
+    }
+
+    /// The share of the variance in the terms that are chosen by their degrees; NaN where nothing varies.
+    fn share(&self, is_chosen: impl Fn(&[usize]) -> bool) -> f64 {
+        if self.varies() { self.part(is_chosen) / self.variance() } else { f64::NAN }
+    }
+
     /// The variance of the terms that are chosen by their degrees, but for the mean.
     fn part(&self, is_chosen: impl Fn(&[usize]) -> bool) -> f64 {
         let chosen = self.terms[1..].iter().filter(|term| is_chosen(&term.degrees));
@@ -214,12 +224,12 @@ impl Chaos {
     /// `Sᵢ`: the share of the variance that is a variable's alone; NaN where nothing varies.
     pub fn first(&self, variable: usize) -> f64 {
         let alone = |degrees: &[usize]| degrees.iter().enumerate().all(|(i, degree)| (*degree > 0) == (i == variable));
-        self.part(alone) / self.variance()
+        self.share(alone)
     }
 
     /// `Tᵢ`: the share of the variance that a variable has a part in; NaN where nothing varies.
     pub fn total(&self, variable: usize) -> f64 {
-        self.part(|degrees| degrees[variable] > 0) / self.variance()
+        self.share(|degrees| degrees[variable] > 0)
     }
 
     /// The share of the variance in terms of the highest degree: where it is not small, a higher degree is needed. NaN
@@ -227,7 +237,7 @@ impl Chaos {
     pub fn highest(&self) -> f64 {
         let sum = |degrees: &[usize]| degrees.iter().sum::<usize>();
         let degree = self.terms.last().map_or(0, |term| sum(&term.degrees));
-        self.part(|degrees| sum(degrees) == degree) / self.variance()
+        self.share(|degrees| sum(degrees) == degree)
     }
 
     /// The polynomial at a point.
@@ -347,5 +357,10 @@ mod tests {
         assert_eq!(error(&[1.0]), "the evaluation 1 is NaN: all must be there, and finite");
         let constant = Chaos::of_grid(&one, 1, &[2.0, 2.0]).unwrap();
         assert!((constant.mean() - 2.0).abs() < 1e-15 && constant.variance() < 1e-30);
+        // What rounding leaves of a constant is no variance that could be shared.
+        let three = [one[0]; 3];
+        let constant = Chaos::of_grid(&three, 4, &[36.297; 125]).unwrap();
+        let shares = [constant.first(0), constant.total(1), constant.highest()];
+        assert!(!constant.varies() && shares.iter().all(|share| share.is_nan()), "{shares:?}");
     }
 }

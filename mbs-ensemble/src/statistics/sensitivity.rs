@@ -74,7 +74,7 @@ fn estimated(rows: &[&[f64]], variables: usize) -> Option<Vec<[f64; 2]>> {
     let mean = |f: &dyn Fn(&[f64]) -> f64| rows.iter().map(|row| f(row)).sum::<f64>() / count;
     let centre = mean(&|row| (row[0] + row[1]) / 2.0);
     let variance = mean(&|row| ((row[0] - centre).powi(2) + (row[1] - centre).powi(2)) / 2.0);
-    if rows.len() < 2 || variance <= 0.0 {
+    if rows.len() < 2 || !super::varies(centre, variance) {
         return None;
     }
     let of = |i: usize| {
@@ -140,6 +140,13 @@ mod tests {
         let product: f64 = parts.iter().map(|part| 1.0 + part).product();
         let expected = parts.map(|part| [part, part / (1.0 + part) * product].map(|v| v / (product - 1.0)));
         check(function, &expected, 0.02);
+    }
+
+    #[test]
+    fn what_rounding_leaves_of_a_constant_has_no_indices() {
+        for constant in [1.0, 9.81 * 3.7, 1e-300, 0.0] {
+            assert_eq!(indices(&vec![constant; 4 * 256], 2, 1), None);
+        }
     }
 
     #[test]
