@@ -373,7 +373,8 @@ fn unknown(name: &str, span: &Span) -> UnitError {
     let product = (1..name.len()).filter(|&at| name.is_char_boundary(at)).map(|at| name.split_at(at));
     let product = product.filter(|(a, b)| NamedUnit::find(a).is_some() && NamedUnit::find(b).is_some());
     let meant = other_case.map(str::to_string).or_else(|| product.map(|(a, b)| format!("{a}*{b}")).next());
-    let meant = meant.map(|meant| format!("did you mean `{meant}`?")).or_else(|| foreign(name)).or_else(|| {
+    let meant = meant.map(|meant| format!("did you mean `{meant}`?"));
+    let meant = offset(name).or(meant).or_else(|| foreign(name)).or_else(|| {
         // One slip makes of any two letters a unit.
         let close = nearest(name, UNITS.iter().map(|unit| unit.name)).filter(|_| name.len() > 2);
         close.map(|meant| format!("did you mean `{meant}`?"))
@@ -381,6 +382,13 @@ fn unknown(name: &str, span: &Span) -> UnitError {
     let help =
         meant.or_else(|| Some("units are those of the SI: `kg`, `m`, `s`, `rad`, `N`, `J`, `W`, `Pa` …".to_string()));
     UnitError { span: span.clone(), message: format!("`{name}` is not a unit"), help }
+}
+
+/// What to write for a scale of temperature whose zero is not that of kelvin.
+fn offset(name: &str) -> Option<String> {
+    let is_scale =
+        ["degC", "degF", "celsius", "fahrenheit", "°C", "°F"].iter().any(|scale| name.eq_ignore_ascii_case(scale));
+    is_scale.then(|| "the zero of a unit is zero: temperatures are in kelvin, 20 °C are `293.15 K`".to_string())
 }
 
 fn foreign(name: &str) -> Option<String> {
@@ -450,6 +458,8 @@ mod tests {
         assert_eq!(help("lb").as_deref(), Some("1 lb is 0.45359237 kg"));
         assert_eq!(help("degrees").as_deref(), Some("write `deg`"));
         assert_eq!(help("kPaa").as_deref(), Some("did you mean `kPa`?"));
+        let kelvin = "the zero of a unit is zero: temperatures are in kelvin, 20 °C are `293.15 K`";
+        assert!(["degC", "DegF", "Celsius"].iter().all(|name| help(name).unwrap() == kelvin));
         assert!(help("furlong").unwrap().starts_with("units are those of the SI"));
         assert!(of(&[("m", 1, 0)]).is_err());
         assert!(of(&[("mm", 1, 3)]).is_err());
