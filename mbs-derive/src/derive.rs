@@ -107,8 +107,8 @@ pub(crate) fn derived_by<'g>(
     let (symbols, energies) = (&symbols, &energies);
     let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
-    let is_left_out = left_out.mass_matrix && is_long_chain && symbols.q.len() > FEW_COORDINATES;
-    let left_out = LeftOut { mass_matrix: is_left_out && lagrangian.constraints.is_empty(), ..left_out };
+    let may_leave_out = left_out.mass_matrix && symbols.q.len() > FEW_COORDINATES && lagrangian.constraints.is_empty();
+    let left_out = LeftOut { mass_matrix: may_leave_out && is_long_chain, ..left_out };
     let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
     let rest_of = |lifted: &Lifted<'g>, left_out| lagrange::equations(&lifted.rest, symbols, left_out);
     let rest = lifted.as_ref().map(|lifted| rest_of(lifted, left_out));
@@ -142,7 +142,7 @@ pub(crate) fn derived_by<'g>(
     let unfolded = Graph::verbatim();
     let exact = Exact::new(lagrangian, &unfolded);
     let outputs = OnceCell::new();
-    let mechanism = Mechanism { lagrangian, left_out, symbols, energies, constraints, exact, outputs };
+    let mechanism = Mechanism { lagrangian, left_out, may_leave_out, symbols, energies, constraints, exact, outputs };
     let ways = routes.iter().flat_map(|&route| kept(route).into_iter().map(move |kept| (route, kept)));
     let mut found: Vec<_> =
         ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
@@ -166,6 +166,8 @@ pub(crate) fn derived_by<'g>(
 struct Mechanism<'a, 'v, 'g> {
     lagrangian: &'a Lagrangian<'v>,
     left_out: LeftOut,
+    /// Whether M is left out where accelerations are written out.
+    may_leave_out: bool,
     symbols: &'a Symbols,
     energies: &'a Energies<'g>,
     constraints: Constraints<'g>,
@@ -176,11 +178,17 @@ struct Mechanism<'a, 'v, 'g> {
 
 impl<'g> Mechanism<'_, '_, 'g> {
     /// Everything that follows from Lagrange's equations.
-    fn equations(&self, route: Route, kept: &Kept, lagrange: Lagrange<'g>) -> Equations<'g> {
-        let &Mechanism { lagrangian, left_out, symbols, energies, ref constraints, ref exact, ref outputs } = self;
-        let left_out = LeftOut { mass_matrix: lagrange.mass_matrix.is_empty(), ..left_out };
+    fn equations(&self, route: Route, kept: &Kept, mut lagrange: Lagrange<'g>) -> Equations<'g> {
+        let &Mechanism { lagrangian, left_out, symbols, energies, ref constraints, ref exact, ref outputs, .. } = self;
         let form = route.form(kept);
-        let forward_dynamics = form.forward_dynamics(&lagrange, constraints);
+        let mut forward_dynamics = form.forward_dynamics(&lagrange, constraints);
+        if self.may_leave_out && forward_dynamics.unrolled.is_some() {
+            // They need nothing but its entries that are not zero, and are proved by inverse dynamics.
+            forward_dynamics.mass_matrix = Rows::new();
+            lagrange.mass_matrix = Rows::new();
+            lagrange.coriolis_matrix = Rows::new();
+        }
+        let left_out = LeftOut { mass_matrix: lagrange.mass_matrix.is_empty(), ..left_out };
         let forward_dynamics = match route {
             Route::Articulated => forward_dynamics.by_articulated_bodies(),
             _ => forward_dynamics,

@@ -1,4 +1,5 @@
-//! A mechanism of a thousand bodies: derived, proved, printed in loops over its links, compiled, run.
+//! Mechanisms of a thousand bodies: derived, proved, printed, compiled, run. A chain is printed in loops over its links;
+//! particles with forces between neighbours take no solver.
 
 use std::fs;
 
@@ -8,7 +9,7 @@ use super::downstream::{Downstream, text};
 const LINKS: usize = 1000;
 
 /// Accelerations, what they take, and whether that gives them back, on a stack of a mebibyte.
-const PROGRAM: &str = "
+const CHAIN: &str = "
 include!(\"chain.rs\");
 
 const LINKS: usize = 1000;
@@ -31,18 +32,78 @@ fn main() {
 }
 ";
 
+/// Springs of the length l between neighbours, gravity, and Newton's second law for each particle.
+const THREAD: &str = "
+include!(\"thread.rs\");
+
+const N: usize = 1000;
+
+fn numbers(most: f64, seed: f64) -> [f64; 3 * N] {
+    std::array::from_fn(|i| most * (2.0 * ((i as f64 + seed) * 0.618_033_988_749_894_9).fract() - 1.0))
+}
+
+fn off() -> f64 {
+    let (m, k, l, g) = (0.1, 100.0, 0.2, 9.81);
+    let mut q = numbers(0.03, 0.0);
+    (0..N).for_each(|i| q[i] += 0.1 * i as f64);
+    let found = thread::Thread::<f64>::default().forward_dynamics(&q, &numbers(0.1, 0.3));
+    let mut force = [[0.0, 0.0, -m * g]; N];
+    for i in 0..N - 1 {
+        let to: [f64; 3] = std::array::from_fn(|axis| q[axis * N + i + 1] - q[axis * N + i]);
+        let length = to.iter().map(|x| x * x).sum::<f64>().sqrt();
+        for axis in 0..3 {
+            let pull = k * (length - l) * to[axis] / length;
+            force[i][axis] += pull;
+            force[i + 1][axis] -= pull;
+        }
+    }
+    let differs = |i: usize, axis: usize| (found[axis * N + i] - force[i][axis] / m).abs();
+    (0..N).flat_map(|i| (0..3).map(move |axis| (i, axis))).map(|(i, axis)| differs(i, axis)).fold(0.0, f64::max)
+}
+
+fn main() {
+    let off = std::thread::Builder::new().stack_size(1 << 20).spawn(off).unwrap().join().unwrap();
+    println!(\"off by {off:e}\");
+    assert!(off < 1e-9);
+}
+";
+
+/// Compiles what is generated for a mechanism beside a program, and runs it.
+fn run(name: &str, mechanism: &str, functions: &[&str], program: &str) {
+    let file = format!("{name}.mbs");
+    let options = mbs_derive::emit::Options::default().functions(functions.iter().copied());
+    let generated = mbs_derive::generate(&file, mechanism, &options);
+    let code = generated.unwrap_or_else(|e| panic!("{}", e.render(&file, mechanism))).code;
+    assert!(code.len() < 1_000_000, "{} bytes", code.len());
+    let dependencies = "[dependencies]\nmbs-runtime = { path = \"../mbs/mbs-runtime\", features = [\"std\"] }\n";
+    let crate_ = Downstream::new(name, dependencies);
+    crate_.write(&format!("src/{name}.rs"), &code);
+    crate_.write("src/main.rs", program);
+    let run = crate_.cargo(&["run"]);
+    assert!(run.status.success() && text(&run).contains("off by "), "{}", text(&run));
+}
+
 #[test]
 fn a_thousand_links_move_on_a_stack_of_a_mebibyte() {
     let chain = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/mechanisms/n_chain.mbs")).expect("the chain");
     let chain = chain.replace("const n = 5;", &format!("const n = {LINKS};"));
-    let options = mbs_derive::emit::Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
-    let generated = mbs_derive::generate("n_chain.mbs", &chain, &options);
-    let code = generated.unwrap_or_else(|e| panic!("{}", e.render("n_chain.mbs", &chain))).code;
-    assert!(code.len() < 1_000_000, "{} bytes", code.len());
-    let dependencies = "[dependencies]\nmbs-runtime = { path = \"../mbs/mbs-runtime\", features = [\"std\"] }\n";
-    let crate_ = Downstream::new("rope", dependencies);
-    crate_.write("src/chain.rs", &code);
-    crate_.write("src/main.rs", PROGRAM);
-    let run = crate_.cargo(&["run"]);
-    assert!(run.status.success() && text(&run).contains("off by "), "{}", text(&run));
+    run("chain", &chain, &["inverse_dynamics", "forward_dynamics"], CHAIN);
+}
+
+/// With 3000 coordinates, as many as a mechanism may have.
+#[test]
+fn a_thousand_particles_move_on_a_stack_of_a_mebibyte() {
+    let thread = "mechanism Thread {
+        const n = 1000;
+        param m: kg = 0.1; param k: N/m = 100; param l: m = 0.2; param g: m/s^2 = 9.81;
+        coord x[n]: m; coord y[n]: m; coord z[n]: m;
+        for i in 0..n {
+            kinetic += m*(dt(x[i])^2 + dt(y[i])^2 + dt(z[i])^2)/2;
+            potential += m*g*z[i];
+        }
+        for i in 1..n {
+            potential += k*(sqrt((x[i] - x[i - 1])^2 + (y[i] - y[i - 1])^2 + (z[i] - z[i - 1])^2) - l)^2/2;
+        }
+    }";
+    run("thread", thread, &["forward_dynamics"], THREAD);
 }

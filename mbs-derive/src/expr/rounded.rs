@@ -2,6 +2,8 @@
 //!
 //! Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, section 3.3.
 
+mod sparse;
+
 use std::iter::Sum;
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -10,6 +12,10 @@ use super::dual::slope;
 use super::evaluate::{Solutions, Terms, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
+use sparse::Factors;
+
+/// Of more unknowns an inverse is bounded, and not computed, where there are no constraints.
+const FEW: usize = 64;
 
 /// Below this no result is told from zero. Its square is still a normal number: arithmetic with those that are not is
 /// slow.
@@ -143,6 +149,10 @@ impl Value for Rounded {
         Self: 'a,
     {
         let doubles = |numbers: &[Self]| numbers.iter().map(|number| number.value).collect::<Vec<f64>>();
+        let is_large = vectors.is_empty() && n > FEW;
+        if let Some(factors) = is_large.then(|| Factors::of(n, &doubles(&mass))).flatten() {
+            return Box::new(move |columns, _| columns.iter().map(|column| bounded(&factors, &mass, column)).collect());
+        }
         let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian), vectors);
         let size = n + vectors.len();
         let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
@@ -177,6 +187,16 @@ impl Value for Rounded {
     fn exponent(self) -> i32 {
         self.value.exponent()
     }
+}
+
+/// The solution of a large system without constraints, and how far it may be from the exact one.
+fn bounded(factors: &Factors, mass: &[Rounded], column: &[Rounded]) -> Vec<Rounded> {
+    let b: Vec<f64> = column.iter().map(|number| number.value).collect();
+    let solution: Vec<Rounded> = factors.solve(&b).into_iter().map(Rounded::exact).collect();
+    let rest = remainder(mass, &[], column, &solution, column.len());
+    let sizes: Vec<f64> = rest.iter().map(|rest| rest.value.abs() + rest.error).collect();
+    let errors = factors.bounds(&sizes);
+    solution.into_iter().zip(errors).map(|(x, error)| Rounded { error, ..x }).collect()
 }
 
 impl Rounded {
