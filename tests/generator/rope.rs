@@ -1,5 +1,5 @@
-//! Mechanisms of a thousand bodies: derived, proved, printed, compiled, run. A chain is printed in loops over its links;
-//! particles with forces between neighbours take no solver.
+//! Mechanisms of a thousand bodies: derived, proved, printed, compiled, run. A chain is printed in loops over its
+//! links; particles with forces between neighbours take no solver.
 
 use std::fs;
 

@@ -26,13 +26,13 @@ use elimination::Elimination;
 /// matrix, because `n³/6` statements would be slower than a loop.
 pub const LARGEST_UNROLLED: usize = 8;
 
-/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where the mechanism is small and
-/// has none.
+/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where there are none and M is
+/// small or mostly zero.
 pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let (mass_matrix, jacobian) = (lagrange.mass_matrix.clone(), constraints.jacobian.clone());
-    let elimination = Some(Elimination::of(&mass_matrix)).filter(|way| jacobian.is_empty() && way.is_unrolled());
+    let elimination = jacobian.is_empty().then(|| Elimination::of(&mass_matrix)).flatten();
     let factorization = elimination.as_ref().map(|elimination| Factorization::by(elimination, &mass_matrix));
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
     let factorization = factorization.filter(|_| elimination.is_some_and(|way| way.is_unrolled_for_columns()));
@@ -54,24 +54,22 @@ impl<'g> Factorization<'g> {
     /// Factorizes the lower triangle of `m`.
     #[cfg(test)]
     pub(crate) fn new(m: &Rows<'g>) -> Self {
-        Factorization::by(&Elimination::of(m), m)
+        Factorization::by(&Elimination::of(m).expect("a small matrix"), m)
     }
 
     /// Factorizes the lower triangle of `m` in this order; i, j and k count in it.
     fn by(elimination: &Elimination, m: &Rows<'g>) -> Self {
         let Elimination { order, rows } = elimination;
         let entry = |i: usize, j: usize| m[order[i].max(order[j])][order[i].min(order[j])];
-        let note =
-            |e: Expr<'g>, what: &str, i: usize, j: usize| e.note(format_args!("{what}_{}_{}", order[i], order[j]));
         // Rows of L: where there is an entry, and it.
         let mut lower: Vec<Vec<(usize, Expr<'g>)>> = Vec::new();
         let (mut reciprocal, mut columns): (Vec<Expr<'g>>, _) = (Vec::new(), vec![Vec::new(); order.len()]);
         for (i, in_row) in rows.iter().enumerate() {
-            // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
             for &j in in_row.iter().chain([&i]) {
                 let (row, column) = (order[i].max(order[j]), order[i].min(order[j]));
                 m[row][column].note(format_args!("m_{row}_{column}"));
             }
+            // (L D)ᵢⱼ = Mᵢⱼ − Σₖ (L D)ᵢₖ Lⱼₖ, k < j < i
             let mut of_row: Vec<(usize, Expr<'g>)> = Vec::new();
             for &j in in_row {
                 let products = common(&of_row, &lower[j]);
@@ -79,8 +77,8 @@ impl<'g> Factorization<'g> {
             }
             let row: Vec<_> = of_row.iter().map(|&(j, e)| (j, e * reciprocal[j])).collect();
             for (&(j, e), &(_, factor)) in of_row.iter().zip(&row) {
-                note(e, "ld", i, j);
-                note(factor, "l", i, j);
+                e.note(format_args!("ld_{}_{}", order[i], order[j]));
+                factor.note(format_args!("l_{}_{}", order[i], order[j]));
                 columns[j].push((order[i], factor));
             }
             // Dᵢ = Mᵢᵢ − Σₖ (L D)ᵢₖ Lᵢₖ

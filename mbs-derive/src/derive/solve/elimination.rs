@@ -20,8 +20,9 @@ pub(super) struct Elimination {
 }
 
 impl Elimination {
-    /// Of a symmetric matrix, by the zeros of its lower triangle.
-    pub(super) fn of(m: &Rows<'_>) -> Self {
+    /// Of a symmetric matrix, by the zeros of its lower triangle; `None` where it has no rows, or too many statements
+    /// to be written out: more for each unknown than a full matrix of [`LARGEST_UNROLLED`].
+    pub(super) fn of(m: &Rows<'_>) -> Option<Self> {
         let n = m.len();
         let mut coupled: Vec<BTreeSet<usize>> = vec![BTreeSet::new(); n];
         for i in 0..n {
@@ -30,9 +31,14 @@ impl Elimination {
                 coupled[j].insert(i);
             }
         }
+        // Pairs of a product and a sum that eliminate one unknown.
+        let pairs = |degree: usize| degree * (degree + 1) / 2;
+        let full: usize = (0..LARGEST_UNROLLED).map(pairs).sum();
+        let mut left = full * n / LARGEST_UNROLLED;
         let mut by_degree: BTreeSet<(usize, usize)> = coupled.iter().map(BTreeSet::len).zip(0..).collect();
         let (mut order, mut rows_of) = (Vec::new(), vec![Vec::new(); n]);
-        while let Some((_, pivot)) = by_degree.pop_first() {
+        while let Some((degree, pivot)) = by_degree.pop_first() {
+            left = left.checked_sub(pairs(degree))?;
             let neighbours = std::mem::take(&mut coupled[pivot]);
             for &i in &neighbours {
                 by_degree.remove(&(coupled[i].len(), i));
@@ -44,32 +50,13 @@ impl Elimination {
             order.push(pivot);
         }
         let rows = order.iter().map(|&unknown| std::mem::take(&mut rows_of[unknown])).collect();
-        Elimination { order, rows }
+        (n > 0).then_some(Elimination { order, rows })
     }
 
-    /// For each unknown how many are eliminated after it that it is coupled with then.
-    fn degrees(&self) -> Vec<usize> {
-        let mut degrees = vec![0; self.order.len()];
-        self.rows.iter().flatten().for_each(|&j| degrees[j] += 1);
-        degrees
-    }
-
-    /// Whether its statements are few enough to be written out: at most as many for each unknown as in a full matrix of
-    /// [`LARGEST_UNROLLED`].
-    pub(super) fn is_unrolled(&self) -> bool {
-        // Pairs of a product and a sum that eliminate one unknown.
-        let pairs = |degree: usize| degree * (degree + 1) / 2;
-        let full: usize = (0..LARGEST_UNROLLED).map(pairs).sum();
-        let all: usize = self.degrees().into_iter().map(pairs).sum();
-        let n = self.order.len();
-        n > 0 && all * LARGEST_UNROLLED <= full * n
-    }
-
-    /// Whether so are those of as many right sides as a linearization has.
+    /// Whether the statements of as many right sides as a linearization has are few, too.
     pub(super) fn is_unrolled_for_columns(&self) -> bool {
-        let entries: usize = self.degrees().into_iter().sum();
-        let n = self.order.len();
-        self.is_unrolled() && (n <= LARGEST_UNROLLED || entries <= n)
+        let (n, entries) = (self.order.len(), self.rows.iter().map(Vec::len).sum::<usize>());
+        n <= LARGEST_UNROLLED || entries <= n
     }
 }
 
@@ -79,7 +66,7 @@ mod tests {
     use crate::expr::Graph;
 
     /// A matrix with ones at these places of its lower triangle and on its diagonal.
-    fn elimination(n: usize, places: &[[usize; 2]]) -> Elimination {
+    fn elimination(n: usize, places: &[[usize; 2]]) -> Option<Elimination> {
         let graph = Graph::new();
         let entry = |i, j| graph.integer(i64::from(i == j || places.contains(&[i, j])));
         Elimination::of(&(0..n).map(|i| (0..n).map(|j| entry(i, j)).collect()).collect())
@@ -90,12 +77,13 @@ mod tests {
         for n in 1..=LARGEST_UNROLLED + 1 {
             let all: Vec<[usize; 2]> = (0..n).flat_map(|i| (0..i).map(move |j| [i, j])).collect();
             let found = elimination(n, &all);
+            assert_eq!(found.is_some(), n <= LARGEST_UNROLLED);
+            let Some(found) = found else { continue };
             assert_eq!(found.order, (0..n).collect::<Vec<_>>());
             assert!(found.rows.iter().enumerate().all(|(i, row)| *row == (0..i).collect::<Vec<_>>()));
-            assert_eq!(found.is_unrolled(), n <= LARGEST_UNROLLED);
-            assert_eq!(found.is_unrolled_for_columns(), n <= LARGEST_UNROLLED);
+            assert!(found.is_unrolled_for_columns());
         }
-        assert!(!elimination(0, &[]).is_unrolled());
+        assert!(elimination(0, &[]).is_none());
     }
 
     /// A cart, the first coordinate, with pendulums: eliminated first it would couple all of them.
@@ -103,16 +91,16 @@ mod tests {
     fn leaves_of_a_tree_come_first_and_nothing_is_filled_in() {
         let n = 40;
         let arrow: Vec<[usize; 2]> = (1..n).map(|i| [i, 0]).collect();
-        let found = elimination(n, &arrow);
+        let found = elimination(n, &arrow).unwrap();
         assert_eq!(found.order[..n - 2], (1..n - 1).collect::<Vec<_>>());
-        assert_eq!(found.degrees().iter().sum::<usize>(), n - 1);
+        assert_eq!(found.rows.iter().map(Vec::len).sum::<usize>(), n - 1);
         assert!(found.is_unrolled_for_columns());
     }
 
     /// A square with its corners in a ring: whichever corner goes first couples its two neighbours.
     #[test]
     fn what_a_pivot_fills_in_is_counted() {
-        let found = elimination(4, &[[1, 0], [2, 1], [3, 2], [3, 0]]);
+        let found = elimination(4, &[[1, 0], [2, 1], [3, 2], [3, 0]]).unwrap();
         assert_eq!(found.order, [0, 1, 2, 3]);
         assert_eq!(found.rows, [vec![], vec![0], vec![1], vec![0, 1, 2]]);
     }

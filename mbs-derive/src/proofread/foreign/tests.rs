@@ -195,7 +195,7 @@ fn what_has_the_same_value_is_told_from_what_has_not() {
     }
 }
 
-/// Names that the pieces shared by files, macros of C++, and modules of Python have already, and words in documentation.
+/// Names of pieces that files share, of macros of C++ and of modules of Python, and such words in documentation.
 #[test]
 fn names_that_are_taken_are_read_as_others() {
     let text = "mechanism Mbs {
