@@ -253,9 +253,13 @@ const MANY_COORDINATES: usize = 100;
 /// grows with their square.
 fn of_many(lagrangian: &Lagrangian<'_>, left_out: LeftOut) -> LeftOut {
     match left_out == LeftOut::default() && lagrangian.dof() > MANY_COORDINATES {
-        true => {
-            LeftOut { coriolis_matrix: true, inverse_dynamics_jacobian: true, linearization: true, mass_matrix: true }
-        }
+        true => LeftOut {
+            coriolis_matrix: true,
+            inverse_dynamics_jacobian: true,
+            linearization: true,
+            mass_matrix: true,
+            outputs: false,
+        },
         false => left_out,
     }
 }
@@ -265,11 +269,13 @@ fn left_out(functions: Option<&[String]>) -> LeftOut {
     use FunctionKind::{CoriolisMatrix, Gravity, InverseDynamicsJacobian, Linearize, LinearizeParameters};
     let Some(names) = functions else { return LeftOut::default() };
     let none_of = |kinds: &[FunctionKind]| !names.iter().any(|name| kinds.iter().any(|kind| kind.name() == name));
+    let is_dynamics = |name: &String| FunctionKind::OF_DYNAMICS.iter().any(|kind| kind.name() == name);
     LeftOut {
         coriolis_matrix: none_of(&[CoriolisMatrix, Gravity]),
         inverse_dynamics_jacobian: none_of(&[InverseDynamicsJacobian]),
         linearization: none_of(&[Linearize, LinearizeParameters]),
-        mass_matrix: names.iter().all(|name| FunctionKind::OF_DYNAMICS.iter().any(|kind| kind.name() == name)),
+        mass_matrix: names.iter().all(is_dynamics),
+        outputs: names.iter().all(is_dynamics),
     }
 }
 

@@ -107,8 +107,11 @@ pub(crate) fn derived_by<'g>(
     let (symbols, energies) = (&symbols, &energies);
     let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
-    let may_leave_out = left_out.mass_matrix && symbols.q.len() > FEW_COORDINATES && lagrangian.constraints.is_empty();
-    let left_out = LeftOut { mass_matrix: may_leave_out && is_long_chain, ..left_out };
+    let has_outputs = !lagrangian.outputs.is_empty() || !lagrangian.reactions.is_empty();
+    let is_long = symbols.q.len() > FEW_COORDINATES && lagrangian.constraints.is_empty();
+    let may_leave_out = left_out.mass_matrix && is_long && (left_out.outputs || !has_outputs);
+    let leaves_out_of_chain = left_out.mass_matrix && is_long && is_long_chain;
+    let left_out = LeftOut { mass_matrix: leaves_out_of_chain, ..left_out };
     let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
     let rest_of = |lifted: &Lifted<'g>, left_out| lagrange::equations(&lifted.rest, symbols, left_out);
     let rest = lifted.as_ref().map(|lifted| rest_of(lifted, left_out));

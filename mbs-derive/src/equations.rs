@@ -72,6 +72,8 @@ pub(crate) struct LeftOut {
     pub linearization: bool,
     /// M, and what is neither needed nor proved without it: of a long chain all but its dynamics.
     pub mass_matrix: bool,
+    /// Outputs and reactions, which keep M elsewhere than in long chains.
+    pub outputs: bool,
 }
 
 /// Everything that is generated for a mechanism, as roots in one graph.

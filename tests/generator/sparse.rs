@@ -105,6 +105,21 @@ fn pendulums_below_a_cart_are_eliminated_before_the_cart() {
     });
 }
 
+/// Of more than a hundred coordinates M is left out, but for outputs, which are never left out unasked.
+#[test]
+fn outputs_of_many_masses_stay() {
+    let without = springs(120);
+    let with = without.replace("force x[0]", "output end = x[119]; force x[0]");
+    let has = |text: &str, kind| {
+        let mut found = false;
+        with_analysis(text, |analysis| found = analysis.programs().function(kind).is_some());
+        found
+    };
+    assert!(!has(&without, FunctionKind::MassMatrix) && has(&without, FunctionKind::ForwardDynamics));
+    assert!(has(&with, FunctionKind::MassMatrix));
+    with_analysis(&with, |analysis| assert!(analysis.programs().named("end").is_some()));
+}
+
 /// Written out, each mass takes two lines; the full matrix alone would take a million entries.
 #[test]
 fn three_hundred_masses_take_few_lines() {
