@@ -70,6 +70,13 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None if arguments.parallel => vec![parallel(&chosen, table.rows)],
         None => chosen.iter().map(|column| histogram(column)).collect(),
     };
+    if *format == Format::Png && panels.len() > MOST_PANELS {
+        let count = plural(panels.len(), "panel", "panels");
+        let help = "choose columns by --columns, draw them --parallel, or write SVG";
+        return Err(Failure::new(format_args!(
+            "{count} are too many for a PNG, which has {MOST_PANELS} at most; {help}"
+        )));
+    }
     let height = HEIGHT.saturating_mul(u32::try_from(panels.len()).unwrap_or(u32::MAX)).max(LEAST_HEIGHT);
     let figure = Figure { title: plural(table.rows, "member", "members"), size: (WIDTH, height), panels };
     output::write(out, &mbs_chart::draw(&figure, *format).map_err(Failure::new)?)?;
@@ -89,6 +96,9 @@ fn summarize(table: Table) -> Result<(), Failure> {
 const WIDTH: u32 = 1100;
 const HEIGHT: u32 = 260;
 const LEAST_HEIGHT: u32 = 600;
+
+/// A PNG of more panels takes hundreds of megabytes to draw.
+const MOST_PANELS: usize = 100;
 
 /// The column with this name.
 fn named<'t>(table: &'t Table, name: &str) -> Result<&'t Numbers, Failure> {

@@ -392,7 +392,8 @@ fn bytes(file: &Path) -> io::Result<Vec<u8>> {
 }
 
 fn import(name: &str) -> Result<Vec<u8>, Unreadable> {
-    let path = Path::new(name);
+    // The folder that a path is seen from has no name.
+    let path = Path::new(if name.is_empty() { "." } else { name });
     match fs::metadata(path) {
         Ok(there) if there.is_dir() => Err(Unreadable::new("it is a folder", "import its files one by one")),
         Ok(there) if !there.is_file() => Err(Unreadable::new("it is not a regular file", "import a file of text")),

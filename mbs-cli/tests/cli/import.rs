@@ -72,6 +72,9 @@ fn files_that_cannot_be_imported_are_reported_at_the_import() {
     check("MBS0301", "there is no file `shared/gravity.mbs`", "did you mean `gravety.mbs`, which is in that folder?");
     std::fs::create_dir(workshop.path("shared/gravity.mbs")).unwrap();
     check("MBS0301", "it is a folder", "import its files one by one");
+    workshop.write("folder.mbs", "import \".\"; mechanism A { coord x: m; kinetic += 1 kg*dt(x)^2/2; }");
+    let report = workshop.bad(&["check", "folder.mbs"]);
+    assert!(report.starts_with("error[MBS0301]: cannot import `.`: it is a folder\n --> folder.mbs:1:1\n"), "{report}");
     std::fs::remove_dir(workshop.path("shared/gravity.mbs")).unwrap();
     let large = std::fs::File::create(workshop.path("shared/gravity.mbs")).unwrap();
     large.set_len(1 << 40).unwrap();

@@ -399,6 +399,13 @@ fn tables_are_drawn() {
     assert!(fan.contains("median") && fan.contains("k [N/m]"));
     let parallel = draw(&["--parallel", "--columns", "m,k,quarter"]);
     assert!(parallel.contains("1: m, 2: k, 3: quarter"));
+    let columns: Vec<String> = (0..101).map(|k| format!("c{k}")).collect();
+    let rows = ["0", "1"].map(|value| [value; 101].join(","));
+    workshop.write("wide.csv", [columns.join(",").as_str(), &rows[0], &rows[1], ""].join("\n"));
+    assert!(
+        workshop.bad(&["plot", "wide.csv", "--out", "b.png"]).starts_with("error: 101 panels are too many for a PNG")
+    );
+    workshop.good(&["plot", "wide.csv", "--out", "a.svg"]);
     let report = workshop.bad(&["plot", "plan.csv", "--out", "b.svg", "--over", "quater"]);
     assert_eq!(report, "error: there is no column `quater`; did you mean \"quarter\"?\n");
     assert!(workshop.bad(&["plot", "plan.csv", "--out", "plan.csv.svg/x.svg"]).starts_with("error: cannot write "));
