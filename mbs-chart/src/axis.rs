@@ -20,8 +20,7 @@ pub(crate) struct Scale {
     pub(crate) step: f64,
 }
 
-/// The least and the greatest of the values that are finite; `None` where there are none, or where their difference
-/// overflows.
+/// The least and the greatest of the finite values; `None` if no value is finite, or their difference overflows.
 pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let finite = values.filter(|x| x.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));

@@ -270,12 +270,13 @@ fn left_out(functions: Option<&[String]>) -> LeftOut {
     let Some(names) = functions else { return LeftOut::default() };
     let none_of = |kinds: &[FunctionKind]| !names.iter().any(|name| kinds.iter().any(|kind| kind.name() == name));
     let is_dynamics = |name: &String| FunctionKind::OF_DYNAMICS.iter().any(|kind| kind.name() == name);
+    let dynamics_alone = names.iter().all(is_dynamics);
     LeftOut {
         coriolis_matrix: none_of(&[CoriolisMatrix, Gravity]),
         inverse_dynamics_jacobian: none_of(&[InverseDynamicsJacobian]),
         linearization: none_of(&[Linearize, LinearizeParameters]),
-        mass_matrix: names.iter().all(is_dynamics),
-        outputs: names.iter().all(is_dynamics),
+        mass_matrix: dynamics_alone,
+        outputs: dynamics_alone,
     }
 }
 

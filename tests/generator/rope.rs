@@ -22,6 +22,7 @@ fn off() -> f64 {
     let chain = n_chain::NChain::<f64>::default();
     let (q, qd, qdd) = (numbers(3.0, 0.0), numbers(0.1, 0.3), numbers(2.0, 0.7));
     let found = chain.forward_dynamics(&q, &qd, &chain.inverse_dynamics(&q, &qd, &qdd));
+    assert!(found.iter().all(|x| x.is_finite()));
     found.iter().zip(&qdd).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
@@ -57,6 +58,7 @@ fn off() -> f64 {
             force[i + 1][axis] -= pull;
         }
     }
+    assert!(found.iter().all(|x| x.is_finite()));
     let differs = |i: usize, axis: usize| (found[axis * N + i] - force[i][axis] / m).abs();
     (0..N).flat_map(|i| (0..3).map(move |axis| (i, axis))).map(|(i, axis)| differs(i, axis)).fold(0.0, f64::max)
 }

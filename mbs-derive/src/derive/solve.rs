@@ -26,16 +26,15 @@ use elimination::Elimination;
 /// matrix, because `n³/6` statements would be slower than a loop.
 pub const LARGEST_UNROLLED: usize = 8;
 
-/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if there are any, and solves it where there are none and M is
+/// Sets up `M q̈ = Q − h − ∂D/∂q̇`, with constraints if it has any, and solves it if it has no constraints and M is
 /// small or mostly zero.
 pub(crate) fn forward_dynamics<'g>(lagrange: &Lagrange<'g>, constraints: &Constraints<'g>) -> ForwardDynamics<'g> {
     let mut right_side = lagrange.free_force.clone();
     right_side.extend(constraints.bias.iter().map(|&bias| -bias));
     let (mass_matrix, jacobian) = (lagrange.mass_matrix.clone(), constraints.jacobian.clone());
-    let elimination = jacobian.is_empty().then(|| Elimination::of(&mass_matrix)).flatten();
-    let factorization = elimination.as_ref().map(|elimination| Factorization::by(elimination, &mass_matrix));
+    let factorization = jacobian.is_empty().then(|| Factorization::new(&mass_matrix)).flatten();
     let unrolled = factorization.as_ref().map(|factorization| factorization.solve(&right_side));
-    let factorization = factorization.filter(|_| elimination.is_some_and(|way| way.is_unrolled_for_columns()));
+    let factorization = factorization.filter(Factorization::is_short);
     let articulated = lagrange.accelerations.clone().filter(|_| jacobian.is_empty());
     ForwardDynamics { mass_matrix, jacobian, right_side, unrolled, factorization, articulated }
 }
@@ -51,15 +50,10 @@ impl ForwardDynamics<'_> {
 }
 
 impl<'g> Factorization<'g> {
-    /// Factorizes the lower triangle of `m`.
-    #[cfg(test)]
-    pub(crate) fn new(m: &Rows<'g>) -> Self {
-        Factorization::by(&Elimination::of(m).expect("a small matrix"), m)
-    }
-
-    /// Factorizes the lower triangle of `m` in this order; i, j and k count in it.
-    fn by(elimination: &Elimination, m: &Rows<'g>) -> Self {
-        let Elimination { order, rows } = elimination;
+    /// Factorizes the lower triangle of `m`, in an order in which i, j and k count; `None` where it has too many
+    /// statements to be written out.
+    pub(crate) fn new(m: &Rows<'g>) -> Option<Self> {
+        let Elimination { order, rows } = Elimination::of(m)?;
         let entry = |i: usize, j: usize| m[order[i].max(order[j])][order[i].min(order[j])];
         // Rows of L: where there is an entry, and it.
         let mut lower: Vec<Vec<(usize, Expr<'g>)>> = Vec::new();
@@ -90,9 +84,14 @@ impl<'g> Factorization<'g> {
             lower.push(row);
         }
         let steps = order.iter().zip(columns).zip(reciprocal);
-        Factorization {
-            steps: steps.map(|((&pivot, column), reciprocal)| Step { pivot, column, reciprocal }).collect(),
-        }
+        let steps = steps.map(|((&pivot, column), reciprocal)| Step { pivot, column, reciprocal });
+        Some(Factorization { steps: steps.collect() })
+    }
+
+    /// Whether solutions for as many right sides as a linearization has are written out, too.
+    fn is_short(&self) -> bool {
+        let (n, entries) = (self.steps.len(), self.steps.iter().map(|step| step.column.len()).sum::<usize>());
+        n <= LARGEST_UNROLLED || entries <= n
     }
 
     /// `M⁻¹ b`: forward substitution, scaling, back substitution.

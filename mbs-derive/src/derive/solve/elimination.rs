@@ -52,12 +52,6 @@ impl Elimination {
         let rows = order.iter().map(|&unknown| std::mem::take(&mut rows_of[unknown])).collect();
         (n > 0).then_some(Elimination { order, rows })
     }
-
-    /// Whether the statements of as many right sides as a linearization has are few, too.
-    pub(super) fn is_unrolled_for_columns(&self) -> bool {
-        let (n, entries) = (self.order.len(), self.rows.iter().map(Vec::len).sum::<usize>());
-        n <= LARGEST_UNROLLED || entries <= n
-    }
 }
 
 #[cfg(test)]
@@ -81,7 +75,6 @@ mod tests {
             let Some(found) = found else { continue };
             assert_eq!(found.order, (0..n).collect::<Vec<_>>());
             assert!(found.rows.iter().enumerate().all(|(i, row)| *row == (0..i).collect::<Vec<_>>()));
-            assert!(found.is_unrolled_for_columns());
         }
         assert!(elimination(0, &[]).is_none());
     }
@@ -94,7 +87,6 @@ mod tests {
         let found = elimination(n, &arrow).unwrap();
         assert_eq!(found.order[..n - 2], (1..n - 1).collect::<Vec<_>>());
         assert_eq!(found.rows.iter().map(Vec::len).sum::<usize>(), n - 1);
-        assert!(found.is_unrolled_for_columns());
     }
 
     /// A square with its corners in a ring: whichever corner goes first couples its two neighbours.

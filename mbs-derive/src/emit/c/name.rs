@@ -367,7 +367,7 @@ const MACROS: &[&str] = &[
 fn is_macro(name: &str) -> bool {
     let begins = |starts: &[&str]| starts.iter().any(|start| name.starts_with(start));
     let ends = |ends: &[&str]| ends.iter().any(|end| name.ends_with(end));
-    // ISO/IEC 9899:2011, 7.31.3, leaves an E with a capital letter to errno.h; in use are those of three letters on.
+    // ISO/IEC 9899:2011, 7.31.3, leaves an E with a capital letter to errno.h; in use are those with three or more.
     let is_error =
         name.len() > 2 && name.starts_with('E') && name[1..].chars().all(|c| matches!(c, 'A'..='Z' | '0'..='9'));
     let is_limit = begins(&["INT", "UINT", "PTRDIFF", "SIZE", "WCHAR", "WINT", "SIG_ATOMIC"])
