@@ -6,6 +6,7 @@
 //! | with constraints: what is solved, and what is reported                 | `constrained.rs`          |
 //! | a basis of the motions that constraints leave, chosen at run time      | `null_space.rs`           |
 //! | scales that do not depend on units                                    | `scaling.rs`              |
+//! | with many constraints: an order of elimination, chosen before          | `sparse.rs`               |
 //!
 //! # Without constraints
 //!
@@ -43,6 +44,7 @@ use crate::scalar::{Real, Scalar};
 mod constrained;
 mod null_space;
 mod scaling;
+mod sparse;
 
 pub(crate) use constrained::solve as solve_constrained;
 pub use constrained::{
@@ -51,6 +53,7 @@ pub use constrained::{
 };
 pub use null_space::Terms;
 pub(crate) use scaling::scaled;
+pub use sparse::{Elimination, sparse_slopes, sparse_solve};
 
 /// `x` with `M x = b`, for `M` symmetric and positive definite.
 ///

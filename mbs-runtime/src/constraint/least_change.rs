@@ -30,7 +30,7 @@ pub(super) struct Workspace<'m, T> {
     /// Rows `L⁻¹ aᵢ`, less and less of them as they are made orthogonal.
     rows: &'m mut [T],
     /// What δ is still to contribute to the rows.
-    targets: &'m mut [T],
+    pub(super) targets: &'m mut [T],
     /// The rows' lengths at first.
     lengths: &'m mut [T],
     /// One where a row has been dealt with.
