@@ -123,7 +123,10 @@ impl<'d> Equations<'d> {
     /// Puts the results of a function of the constraints at a state, which there is where there are some.
     fn put_rows(&self, kind: FunctionKind, t: f64, q: &[f64], qd: &[f64], results: &mut [f64]) {
         if !results.is_empty() {
-            self.at(t, q, qd, |state| self.put(self.number(kind), state, results));
+            self.at(t, q, qd, |state| match number_of(self.derivation, kind) {
+                Some(number) => self.put(number, state, results),
+                None => results.copy_from_slice(&self.call(kind, state)),
+            });
         }
     }
 
@@ -161,9 +164,19 @@ impl<'d> Equations<'d> {
         self.evaluate_number(self.number(kind), state)
     }
 
+    /// The results of a function; `None` where the mechanism has none, which M and A are no reason for where their
+    /// system is eliminated.
+    pub(crate) fn try_call(&self, kind: FunctionKind, state: &State) -> Option<Vec<f64>> {
+        match number_of(self.derivation, kind) {
+            Some(number) => Some(self.results(number, state, None)),
+            None => self.interpreter.call(kind, state),
+        }
+    }
+
     /// The results of a function that every mechanism has.
     pub(crate) fn call(&self, kind: FunctionKind, state: &State) -> Vec<f64> {
-        self.results(self.number(kind), state, None)
+        let missing = || panic!("{} has no function `{}`", self.derivation.name, kind.name());
+        self.try_call(kind, state).unwrap_or_else(missing)
     }
 
     /// The results of a function of the constraints, one that all mechanisms with constraints have.
@@ -178,9 +191,28 @@ impl<'d> Equations<'d> {
 
     /// Whether inertia and forces are numbers: then accelerations are, too, unless M is singular.
     pub(crate) fn are_finite(&self, state: &State) -> bool {
-        use FunctionKind::{Bias, DissipationForce, GeneralizedForce, MassMatrix};
-        let mut all = [MassMatrix, Bias, GeneralizedForce, DissipationForce].into_iter();
-        all.all(|kind| self.call(kind, state).iter().all(|x| x.is_finite()))
+        let matrix = self.interpreter.call(FunctionKind::MassMatrix, state).unwrap_or_default();
+        matrix.iter().chain(&self.free_force(state)).all(|x| x.is_finite())
+    }
+
+    /// `Q − C q̇ − G − ∂D/∂q̇`, without a function for the bias by inverse dynamics without accelerations.
+    fn free_force(&self, state: &State) -> Vec<f64> {
+        use FunctionKind::{Bias, DissipationForce, GeneralizedForce, InverseDynamics};
+        let applied = self.call(GeneralizedForce, state).into_iter();
+        if number_of(self.derivation, Bias).is_some() {
+            let [bias, dissipation] = [Bias, DissipationForce].map(|kind| self.call(kind, state));
+            return applied.zip(bias).zip(dissipation).map(|((applied, h), d)| applied - h - d).collect();
+        }
+        let unaccelerated = State { qdd: vec![0.0; state.q.len()], ..state.clone() };
+        applied
+            .zip(self.call(InverseDynamics, &unaccelerated))
+            .map(|(applied, resisting)| applied - resisting)
+            .collect()
+    }
+
+    /// The rank of A where the motion starts, where the elimination of the mechanism tells it.
+    pub(crate) fn rank(&self, motion: &Motion) -> Option<usize> {
+        self.interpreter.rank(&self.state(self.start.t, &motion.q, &motion.qd))
     }
 
     /// How constraints bring states back.
@@ -223,6 +255,11 @@ impl Constraints<f64> for Equations<'_> {
 
     fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
         self.put_rows(FunctionKind::ConstraintJacobian, t, q, &self.start.qd, a);
+    }
+
+    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> bool {
+        let found = self.at(t, q, &self.start.qd, |state| self.interpreter.least_change(state, target));
+        found.map(|found| change.copy_from_slice(&found)).is_some()
     }
 }
 
@@ -273,10 +310,8 @@ impl<'e, 'd> Solver<'e, 'd> {
 
     fn factorize(&mut self, state: &State) -> Result<(Vec<f64>, Vec<f64>), ConstraintError> {
         let equations = self.equations;
-        use FunctionKind::{Bias, Constraint, ConstraintBias, ConstraintRate, DissipationForce, GeneralizedForce};
-        let [applied, bias, dissipation] =
-            [GeneralizedForce, Bias, DissipationForce].map(|kind| equations.call(kind, state));
-        let force: Vec<f64> = (0..bias.len()).map(|i| applied[i] - bias[i] - dissipation[i]).collect();
+        use FunctionKind::{Constraint, ConstraintBias, ConstraintRate};
+        let force = equations.free_force(state);
         let [gamma, rate, position] =
             [ConstraintBias, ConstraintRate, Constraint].map(|kind| equations.rows_of(kind, state));
         let [alpha, beta] = self.gains;

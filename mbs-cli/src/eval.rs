@@ -162,7 +162,9 @@ fn evaluation(derivation: &Derivation, point: &Point, moving: Moving) -> Value {
         };
         (kind.name().to_string(), value)
     };
-    let mut evaluation: Map<String, Value> = FIRST.into_iter().map(printed).collect();
+    // Of many coordinates most matrices are left out.
+    let is_there = |kind: &FunctionKind| *kind == FunctionKind::Multipliers || derivation.function(*kind).is_some();
+    let mut evaluation: Map<String, Value> = FIRST.into_iter().filter(is_there).map(printed).collect();
     evaluation.insert("conserved".to_string(), conserved(derivation, evaluated).into());
     evaluation.insert("outputs".to_string(), outputs(derivation, evaluated).into());
     let jacobians = output_jacobians(derivation, evaluated);

@@ -97,6 +97,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     mechanism::note(mechanism::MECHANISM, &sources, cache, &mut files);
     files.writes("--out", &arguments.out)?;
     let derivation = mechanism::proved(&sources, cache)?.derivation;
+    mechanism::has_matrices(&derivation, "an FMU")?;
     let point = start(arguments, &derivation)?;
     let archive = packed(arguments, &sources, &derivation, &point)?;
     output::write(&arguments.out, &archive)?;

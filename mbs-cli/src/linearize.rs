@@ -55,6 +55,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         return Err(Failure::new(format_args!("the sample time must be positive and finite, found {time}")));
     }
     let derivation = mechanism::read(&arguments.file, cache)?.derivation;
+    mechanism::has_matrices(&derivation, "a linearization")?;
     let mut point = match state::read(&arguments.state, &derivation, &[])? {
         Request::One(point) => point,
         Request::Many(_) => return Err(Failure::new("`mbs linearize` takes one state, not an array of them")),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use mbs_derive::emit::Options;
 use mbs_derive::expr::Graph;
-use mbs_derive::optimise::Derivation;
+use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::source::Sources;
 use mbs_derive::{Analysis, Digest, Error};
 use serde::{Deserialize, Serialize};
@@ -92,6 +92,19 @@ pub(crate) fn proved(sources: &Sources, cache: &Cache) -> Result<Mechanism, Fail
     let mechanism = proved_quietly(sources, cache)?;
     output::report(&mechanism.warnings);
     Ok(mechanism)
+}
+
+/// An error for a command that needs matrices and derivatives, of a mechanism so large that they are not derived.
+pub(crate) fn has_matrices(derivation: &Derivation, command: &str) -> Result<(), Failure> {
+    match derivation.function(FunctionKind::Linearize) {
+        Some(_) => Ok(()),
+        None => Err(Failure::new(format_args!(
+            "{} has {} coordinates: of so large a mechanism the dynamics alone is derived, and {command} needs matrices and \
+             derivatives",
+            derivation.name,
+            derivation.dof()
+        ))),
+    }
 }
 
 /// Reads, derives and proves, before warnings are reported.

@@ -78,6 +78,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let parts = parts(&sources, cache)?;
     output::report(parts.mechanism.warnings());
     let derivation = &parts.mechanism.derivation;
+    mechanism::has_matrices(derivation, "a report")?;
     let start = match &arguments.state {
         None => start::of(derivation),
         Some(state) => one(state, derivation)?,

@@ -179,7 +179,7 @@ catalogue! {
                 let forward = &e.forward_dynamics;
                 match &forward.unrolled {
                     Some(accelerations) => Roots::accelerations(accelerations),
-                    None if e.left_out.mass_matrix => None,
+                    None if forward.mass_matrix.is_empty() => None,
                     None => {
                         Roots::of(Shape::Vector(e.symbols.q.len()), forward.right_side.clone())?.solved_by(forward)
                     }
@@ -193,8 +193,9 @@ catalogue! {
                 ),
                 true => format!(
                     "Accelerations `q̈` of `M q̈ + C q̇ + G + ∂D/∂q̇ = Q + Aᵀ λ` and `A q̈ + γ = 0`, {}, by the runtime's \
-                     `constrained_solve`; `multipliers` are λ.",
-                    about.shape
+                     `{}`; `multipliers` are λ.",
+                    about.shape,
+                    if about.is_eliminated { "sparse_solve" } else { "constrained_solve" }
                 ),
             },
             notes: |about| about.where_singular(),
@@ -487,14 +488,18 @@ pub(crate) fn names_of_output(output: &str) -> Vec<String> {
 }
 
 impl FunctionKind {
-    /// Energies, forces and dynamics: the functions that are as long as their mechanism.
-    pub(crate) const OF_DYNAMICS: [FunctionKind; 6] = [
+    /// Energies, forces, dynamics and rows of constraints: the functions that are as long as their mechanism.
+    pub(crate) const OF_DYNAMICS: [FunctionKind; 10] = [
         FunctionKind::KineticEnergy,
         FunctionKind::PotentialEnergy,
         FunctionKind::DissipationForce,
         FunctionKind::GeneralizedForce,
         FunctionKind::InverseDynamics,
         FunctionKind::ForwardDynamics,
+        FunctionKind::Constraint,
+        FunctionKind::ConstraintRate,
+        FunctionKind::ConstraintBias,
+        FunctionKind::Multipliers,
     ];
 
     /// The name of the function; of an output's or a reaction's what stands behind their own.

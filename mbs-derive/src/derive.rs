@@ -34,7 +34,7 @@ mod tree;
 use std::cell::OnceCell;
 
 use crate::expr::table::Table;
-use crate::expr::{Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
+use crate::expr::{Elimination, Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
 use crate::model::{Lagrangian, PointForce};
 use crate::shape::Shape;
 use crate::variable::Variable;
@@ -108,9 +108,9 @@ pub(crate) fn derived_by<'g>(
     let lifted = lift::lifted(lagrangian, energies, graph);
     let is_long_chain = symbols.q.len() > solve::LARGEST_UNROLLED && lifted.as_ref().is_some_and(Lifted::is_all);
     let has_outputs = !lagrangian.outputs.is_empty() || !lagrangian.reactions.is_empty();
-    let is_long = symbols.q.len() > FEW_COORDINATES && lagrangian.constraints.is_empty();
+    let is_long = symbols.q.len() > FEW_COORDINATES;
     let may_leave_out = left_out.mass_matrix && is_long && (left_out.outputs || !has_outputs);
-    let leaves_out_of_chain = left_out.mass_matrix && is_long && is_long_chain;
+    let leaves_out_of_chain = left_out.mass_matrix && is_long && is_long_chain && lagrangian.constraints.is_empty();
     let left_out = LeftOut { mass_matrix: leaves_out_of_chain, ..left_out };
     let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
     let rest_of = |lifted: &Lifted<'g>, left_out| lagrange::equations(&lifted.rest, symbols, left_out);
@@ -144,8 +144,9 @@ pub(crate) fn derived_by<'g>(
     let constraints = constraint::constraints(lagrangian, graph, symbols);
     let unfolded = Graph::verbatim();
     let exact = Exact::new(lagrangian, &unfolded);
-    let outputs = OnceCell::new();
-    let mechanism = Mechanism { lagrangian, left_out, may_leave_out, symbols, energies, constraints, exact, outputs };
+    let (outputs, elimination) = (OnceCell::new(), OnceCell::new());
+    let mechanism =
+        Mechanism { lagrangian, left_out, may_leave_out, symbols, energies, constraints, exact, outputs, elimination };
     let ways = routes.iter().flat_map(|&route| kept(route).into_iter().map(move |kept| (route, kept)));
     let mut found: Vec<_> =
         ways.filter_map(|(route, kept)| Some(mechanism.equations(route, kept, by(route, kept)?))).collect();
@@ -169,7 +170,7 @@ pub(crate) fn derived_by<'g>(
 struct Mechanism<'a, 'v, 'g> {
     lagrangian: &'a Lagrangian<'v>,
     left_out: LeftOut,
-    /// Whether M is left out where accelerations are written out.
+    /// Whether M is left out where accelerations are written out, or eliminated in a known order.
     may_leave_out: bool,
     symbols: &'a Symbols,
     energies: &'a Energies<'g>,
@@ -177,6 +178,8 @@ struct Mechanism<'a, 'v, 'g> {
     exact: Exact<'a, 'a>,
     /// Made after the equations of the first route: where a graph has branches, sums follow the order in which it grew.
     outputs: OnceCell<Vec<OutputEquations<'g>>>,
+    /// By the zeros of the first route: what is zero there is zero in all.
+    elimination: OnceCell<Option<Elimination>>,
 }
 
 impl<'g> Mechanism<'_, '_, 'g> {
@@ -185,9 +188,14 @@ impl<'g> Mechanism<'_, '_, 'g> {
         let &Mechanism { lagrangian, left_out, symbols, energies, ref constraints, ref exact, ref outputs, .. } = self;
         let form = route.form(kept);
         let mut forward_dynamics = form.forward_dynamics(&lagrange, constraints);
-        if self.may_leave_out && forward_dynamics.unrolled.is_some() {
+        let of_system = || solve::elimination(&forward_dynamics.mass_matrix, &constraints.jacobian, lagrangian);
+        forward_dynamics.elimination = self.elimination.get_or_init(of_system).clone();
+        let is_eliminated = forward_dynamics.elimination.is_some();
+        if self.may_leave_out && (forward_dynamics.unrolled.is_some() || is_eliminated) {
             // They need nothing but its entries that are not zero, and are proved by inverse dynamics.
-            forward_dynamics.mass_matrix = Rows::new();
+            if !is_eliminated {
+                forward_dynamics.mass_matrix = Rows::new();
+            }
             lagrange.mass_matrix = Rows::new();
             lagrange.coriolis_matrix = Rows::new();
         }

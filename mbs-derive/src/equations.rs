@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::expr::{Expr, Symbol};
+use crate::expr::{Elimination, Expr, Symbol};
 use crate::shape::Shape;
 
 /// Rows of expressions.
@@ -151,6 +151,8 @@ pub(crate) struct ForwardDynamics<'g> {
     pub factorization: Option<Factorization<'g>>,
     /// q̈ by articulated bodies, where that is another way.
     pub articulated: Option<Vec<Expr<'g>>>,
+    /// How the system with constraints is eliminated, where most of it is zero.
+    pub elimination: Option<Elimination>,
 }
 
 /// `M = L D Lᵀ` with unit lower triangular L, rows and columns in the order of elimination.

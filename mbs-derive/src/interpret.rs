@@ -1,4 +1,8 @@
 //! Runs Programs in process: the command line, the proofs and the tests evaluate the very code that is emitted.
+//!
+//! - `eliminated`: what the system of a mechanism that is eliminated in a known order tells besides its solution.
+
+mod eliminated;
 
 use crate::expr::evaluate::{holds, truth};
 use crate::expr::{Number, Symbol, Terms, Trigonometry, Value, largest};
@@ -110,9 +114,10 @@ impl<'d, V: Value> Interpreter<'d, V> {
     }
 
     /// The results of a function, part by part and row by row, symmetric matrices in full; `None` where the mechanism
-    /// does not have it.
+    /// does not have it. M and A are there where they are left out, if they are eliminated in a known order.
     pub fn call(&self, kind: FunctionKind, state: &State<V>) -> Option<Vec<V>> {
-        self.derivation.function(kind).map(|function| self.evaluate(function, state))
+        let evaluated = self.derivation.function(kind).map(|function| self.evaluate(function, state));
+        evaluated.or_else(|| self.matrix_of_motion(kind, state))
     }
 
     /// The results of a function that mechanisms with constraints have, row by row; there are none without constraints.
@@ -156,23 +161,25 @@ impl<'d, V: Value> Interpreter<'d, V> {
     /// The solution of the system that the program sets up, for each right side, as the runtime finds it.
     fn solve(&self, function: &Function, state: &State<V>) -> Vec<V> {
         let (n, k) = (self.derivation.dof(), self.derivation.constraints.len());
-        let (values, terms) = self.system(function, state);
-        let (mass, rest) = values.split_at(n * (n + 1) / 2);
-        let (jacobian, right_sides) = rest.split_at(k * n);
+        let (mut values, terms) = self.system(function, state);
+        let right_sides = values.split_off(self.derivation.matrix_entries());
         let width = |part: &ResultPart| match part.shape {
             Shape::Matrix(_, columns) => columns,
             _ => 1,
         };
         let widths: Vec<usize> = function.results.iter().map(width).collect();
-        let mut columns = columns(right_sides, &widths, n + k);
-        match function.completion {
-            Completion::None => unreachable!("there is no system"),
-            Completion::Solve => V::solve_symmetric(mass, &mut columns),
-            Completion::SolveConstrained | Completion::SolveMultipliers => {
-                columns =
-                    V::constrained_columns(n, mass.to_vec(), jacobian.to_vec(), &self.derivation.constraint_vectors)(
-                        &columns, &terms,
-                    );
+        let mut columns = columns(&right_sides, &widths, n + k);
+        match (function.completion, &self.derivation.elimination) {
+            (Completion::None, _) => unreachable!("there is no system"),
+            (Completion::Solve, _) => V::solve_symmetric(&values, &mut columns),
+            (_, Some(elimination)) => {
+                let solve = V::eliminated(elimination, values);
+                columns.iter_mut().for_each(|column| *column = solve(column));
+            }
+            (_, None) => {
+                let jacobian = values.split_off(n * (n + 1) / 2);
+                let vectors = &self.derivation.constraint_vectors;
+                columns = V::constrained_columns(n, values, jacobian, vectors)(&columns, &terms);
             }
         }
         if function.completion == Completion::SolveMultipliers {
@@ -232,6 +239,11 @@ impl<'d, V: Value> Interpreter<'d, V> {
 
     /// q̈, then λ.
     fn constrained_motion(&self, forward_dynamics: &Function, state: &State<V>) -> Vec<V> {
+        if let Some(elimination) = &self.derivation.elimination {
+            let mut entries = self.run(&forward_dynamics.program, state, &[]);
+            let right_side = entries.split_off(elimination.entries.len());
+            return V::eliminated(elimination, entries)(&right_side);
+        }
         let System { mass, jacobian, right_side } = self.system_of_motion(forward_dynamics, state);
         V::constrained(self.derivation.dof(), mass, jacobian, &self.derivation.constraint_vectors)(&right_side)
     }
@@ -250,10 +262,16 @@ impl<'d, V: Value> Interpreter<'d, V> {
 
     /// What a program sets up for the motion with constraints.
     pub(crate) fn system_of_motion(&self, forward_dynamics: &Function, state: &State<V>) -> System<V> {
+        let mut matrices = self.run(&forward_dynamics.program, state, &[]);
+        let right_side = matrices.split_off(self.derivation.matrix_entries());
         let n = self.derivation.dof();
-        let mut mass = self.run(&forward_dynamics.program, state, &[]);
-        let mut jacobian = mass.split_off(n * (n + 1) / 2);
-        let right_side = jacobian.split_off(self.derivation.constraints.len() * n);
+        let (mass, jacobian) = match &self.derivation.elimination {
+            Some(elimination) => elimination.in_full(&matrices),
+            None => {
+                let jacobian = matrices.split_off(n * (n + 1) / 2);
+                (matrices, jacobian)
+            }
+        };
         System { mass, jacobian, right_side }
     }
 }
@@ -382,14 +400,9 @@ impl<V: Value> Run<'_, V> {
 
     fn symbol(&self, symbol: Symbol) -> V {
         match symbol {
-            Symbol::Time => self.state.t,
-            Symbol::Coordinate(i) => self.state.q[i as usize],
-            Symbol::Velocity(i) => self.state.qd[i as usize],
-            Symbol::Acceleration(i) => self.state.qdd[i as usize],
             Symbol::Parameter(i) => self.parameters[i as usize],
-            Symbol::Input(i) => self.state.u[i as usize],
-            Symbol::Prescribed(i, order) => self.state.prescribed[i as usize][usize::from(order)],
             Symbol::Multiplier(i) => self.multipliers[i as usize],
+            symbol => self.state.value_of(symbol).expect("the other symbols are of the state"),
         }
     }
 }

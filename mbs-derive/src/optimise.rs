@@ -86,6 +86,7 @@ pub(crate) fn straight_line(lagrangian: &Lagrangian<'_>, routes: &[Equations<'_>
         constructor: hoisting.constructor,
         requirements,
         required: lower::program(&required, &Hoisting::none()),
+        elimination: routes.iter().find_map(|equations| equations.forward_dynamics.elimination.clone()),
         functions,
     })
 }
@@ -131,6 +132,7 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
         constructor: hoisting.constructor,
         requirements: Vec::new(),
         required: Program::default(),
+        elimination: None,
         functions,
     })
 }
@@ -166,6 +168,12 @@ impl Derivation {
     /// Number of coordinates.
     pub fn dof(&self) -> usize {
         self.coordinates.iter().map(Variable::count).sum()
+    }
+
+    /// How many values of a program that sets up a system are its matrices: those of M, and of A.
+    pub fn matrix_entries(&self) -> usize {
+        let (n, k) = (self.dof(), self.constraints.len());
+        self.elimination.as_ref().map_or(n * (n + 1) / 2 + k * n, |elimination| elimination.entries.len())
     }
 
     /// Of each coordinate its kind: 0 of those without a unit, and a number for each other unit.
@@ -239,7 +247,11 @@ impl Way<'_, '_> {
             Completion::None => operations,
             Completion::Solve => operations + cost::solve(n, &self.roots.results),
             Completion::SolveConstrained | Completion::SolveMultipliers => {
-                operations + cost::Operations::of_constrained_solve([n, k], &self.roots.results)
+                operations
+                    + match &self.equations.forward_dynamics.elimination {
+                        Some(elimination) => cost::eliminate(elimination, &self.roots.results),
+                        None => cost::Operations::of_constrained_solve([n, k], &self.roots.results),
+                    }
             }
         }
     }

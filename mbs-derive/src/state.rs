@@ -25,6 +25,19 @@ impl<V: Value> State<V> {
         self.along_any(&direction)
     }
 
+    /// The value of a variable; `None` of parameters and multipliers, which are no part of a state.
+    pub(crate) fn value_of(&self, symbol: Symbol) -> Option<V> {
+        Some(match symbol {
+            Symbol::Time => self.t,
+            Symbol::Coordinate(i) => self.q[i as usize],
+            Symbol::Velocity(i) => self.qd[i as usize],
+            Symbol::Acceleration(i) => self.qdd[i as usize],
+            Symbol::Input(i) => self.u[i as usize],
+            Symbol::Prescribed(i, order) => self.prescribed[i as usize][usize::from(order)],
+            Symbol::Parameter(_) | Symbol::Multiplier(_) => return None,
+        })
+    }
+
     fn along_any(&self, direction: &dyn Fn(Symbol) -> V) -> State<Dual<V>> {
         let all = |values: &[V], symbol: fn(u32) -> Symbol| {
             values.iter().enumerate().map(|(i, &v)| Dual::new(v, direction(symbol(i as u32)))).collect()

@@ -15,7 +15,13 @@ pub(crate) fn source(
     derivation: &Derivation,
     wanted: impl Fn(&Function) -> bool,
 ) -> Result<(String, Vec<Option<String>>), NotCompiled> {
-    let options = Options::default();
+    // Systems that the interpreter eliminates in a known order would be solved in full, and in other bits.
+    let is_same = |function: &&Function| !function.completion.is_constrained();
+    let same = derivation.functions.iter().filter(is_same).map(|function| function.name.as_str());
+    let options = match &derivation.elimination {
+        None => Options::default(),
+        Some(_) => Options::default().functions(same),
+    };
     let mut text = Language::C.write(derivation, "mbs-native", &options);
     let misprint = |reason: String| NotCompiled::Misprint { reason };
     derivation.proofread(Language::C, &options, &text).map_err(|error| misprint(error.to_string()))?;

@@ -4,6 +4,7 @@ use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use mbs_derive::interpret::{self, Interpreter};
 use mbs_derive::optimise::{Argument, FunctionKind};
 use mbs_derive::variable::component_names;
 use mbs_native::Kind;
@@ -87,14 +88,20 @@ struct Equations {
 }
 
 impl Equations {
-    fn number(&self, kind: FunctionKind) -> usize {
-        let functions = &self.engine.derivation.functions;
-        functions.iter().position(|f| f.kind == kind).expect("a function that every mechanism of its kind has")
+    fn number(&self, kind: FunctionKind) -> Option<usize> {
+        self.engine.derivation.functions.iter().position(|f| f.kind == kind)
     }
 
     /// One result at one state.
     fn put(&self, kind: FunctionKind, t: f64, q: &[f64], qd: &[f64], result: &mut [f64]) {
-        let number = self.number(kind);
+        let Some(number) = self.number(kind) else {
+            // M or A, where their system is eliminated: of large mechanisms they are no functions.
+            let found = self.resting(t, q).and_then(|state| self.interpreter().call(kind, &state));
+            return match found {
+                Some(found) => result.copy_from_slice(&found),
+                None => result.fill(f64::NAN),
+            };
+        };
         let (mut u, mut prescribed, zeros) = (Vec::new(), Vec::new(), vec![0.0; q.len()]);
         let wanted = function::arguments(&self.engine.derivation, number);
         let wants = |kind: Kind| wanted.iter().any(|argument| argument.kind == kind);
@@ -120,6 +127,30 @@ impl Equations {
             })
             .collect();
         self.engine.evaluate(number, &self.values, &arguments, 1, &mut [result]);
+    }
+
+    fn interpreter(&self) -> Interpreter<'_> {
+        Interpreter::with_parameters(&self.engine.derivation, self.values.parameters.clone())
+    }
+
+    /// The coordinates and the prescribed motions at a time, without velocities; `None` where Python raises an error.
+    fn resting(&self, t: f64, q: &[f64]) -> Option<interpret::State> {
+        let mut prescribed = Vec::new();
+        if let Err(error) = self.prescribed.at(t, None, &mut prescribed) {
+            self.error.borrow_mut().get_or_insert(error);
+            return None;
+        }
+        let derivation = &self.engine.derivation;
+        let signals = prescribed.chunks_exact(3).map(|signal| [signal[0], signal[1], signal[2]]);
+        let zeros = vec![0.0; q.len()];
+        Some(interpret::State {
+            t,
+            q: q.to_vec(),
+            qd: zeros.clone(),
+            qdd: zeros,
+            u: vec![0.0; derivation.inputs.iter().map(|input| input.count()).sum()],
+            prescribed: signals.collect(),
+        })
     }
 
     /// `q̈`; NaN once Python has raised an error, or the user has pressed Ctrl+C.
@@ -178,6 +209,11 @@ impl Constraints<f64> for Equations {
 
     fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
         self.put(FunctionKind::ConstraintJacobian, t, q, &vec![0.0; q.len()], a);
+    }
+
+    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> bool {
+        let found = self.resting(t, q).and_then(|state| self.interpreter().least_change(&state, target));
+        found.map(|found| change.copy_from_slice(&found)).is_some()
     }
 }
 

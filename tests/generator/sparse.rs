@@ -1,7 +1,7 @@
 //! Mechanisms of many coordinates whose mass matrix is mostly zero: accelerations are statements without a solver, as
-//! many as there are couplings.
+//! many as there are couplings. With many constraints the system is eliminated in an order chosen for its zeros.
 
-use mbs_derive::emit::Options;
+use mbs_derive::emit::{Language, Options};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Completion, FunctionKind};
 use mbs_derive::{Analysis, expr::Graph, source::Sources};
@@ -128,4 +128,132 @@ fn three_hundred_masses_take_few_lines() {
     let code = mbs_derive::generate("springs.mbs", &text, &options).expect("a derivation").code;
     assert!(code.len() < 60_000, "{} bytes", code.len());
     assert!(!code.contains("ldlt_solve"));
+}
+
+/// A closed chain of links in a vertical plane, each with its place and angle, pinned to the ground where it begins and
+/// ends.
+fn ring(links: usize) -> String {
+    format!(
+        "mechanism Ring {{
+            const n = {links};
+            param m: kg = 0.1; param l: m = 0.2; param c: N*m*s = 0.01; const g: m/s^2 = 9.81;
+            coord x[n]: m; coord y[n]: m; coord phi[n]: rad; input tau: N*m;
+            fn end(x, y, phi, side) = [x + side*l/2*cos(phi), y + side*l/2*sin(phi), 0];
+            for i in 0..n {{
+                kinetic += particle(m, [x[i], y[i], 0]) + 1/2*(m*l^2/12)*dt(phi[i])^2;
+                potential += m*g*y[i];
+                dissipation += c*dt(phi[i])^2/2;
+            }}
+            force phi[0] += tau;
+            constraint first: end(x[0], y[0], phi[0], -1) = 0;
+            for i in 0..n-1 {{
+                constraint pin[i]: end(x[i], y[i], phi[i], 1) = end(x[i+1], y[i+1], phi[i+1], -1);
+            }}
+            constraint last: end(x[n-1], y[n-1], phi[n-1], 1) = [n*l/2, 0, 0];
+        }}"
+    )
+}
+
+#[test]
+fn a_closed_chain_is_eliminated_and_satisfies_its_equations() {
+    let n = 99;
+    with_analysis(&ring(n / 3), |analysis| {
+        let programs = analysis.programs();
+        let elimination = programs.elimination.as_ref().expect("an order");
+        let (unknowns, k) = (elimination.order.len(), programs.constraints.len());
+        assert_eq!((unknowns, k), (n + k, 2 * (n / 3 + 1)));
+        // The factor grows with the number of links: not with the square of it.
+        assert!(elimination.rows.len() < 6 * unknowns, "{} entries", elimination.rows.len());
+
+        let state = State { q: numbers(n, 0.1), qd: numbers(n, 0.2), u: vec![0.3], ..State::default() };
+        let ring = Interpreter::new(programs);
+        let call = |kind| ring.call(kind, &state).expect("a function");
+        let (qdd, multipliers) = (call(FunctionKind::ForwardDynamics), call(FunctionKind::Multipliers));
+        let [m, h, d, q, a, bias] = [
+            FunctionKind::MassMatrix,
+            FunctionKind::Bias,
+            FunctionKind::DissipationForce,
+            FunctionKind::GeneralizedForce,
+            FunctionKind::ConstraintJacobian,
+            FunctionKind::ConstraintBias,
+        ]
+        .map(call);
+        let forces = (0..n).map(|i| {
+            let inertial: f64 = (0..n).map(|j| m[i * n + j] * qdd[j]).sum();
+            let held: f64 = (0..k).map(|row| a[row * n + i] * multipliers[row]).sum();
+            inertial + h[i] + d[i] - q[i] - held
+        });
+        let rows = (0..k).map(|row| (0..n).map(|j| a[row * n + j] * qdd[j]).sum::<f64>() + bias[row]);
+        let left: Vec<f64> = forces.chain(rows).collect();
+        assert!(left.iter().all(|left| left.abs() < 1e-10), "{left:?}");
+
+        // Along a direction of places, speeds and the torque: the linearization against a difference.
+        let direction = [numbers(n, 0.4), numbers(n, 0.5), vec![0.7]];
+        let at = |step: f64| {
+            let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + step * by).collect::<Vec<f64>>();
+            let state = State {
+                q: moved(&state.q, &direction[0]),
+                qd: moved(&state.qd, &direction[1]),
+                u: moved(&state.u, &direction[2]),
+                ..State::default()
+            };
+            ring.call(FunctionKind::ForwardDynamics, &state).expect("accelerations")
+        };
+        let (slopes, after, before) = (call(FunctionKind::Linearize), at(1e-5), at(-1e-5));
+        let along = |start: usize, by: &[f64], i: usize| -> f64 {
+            slopes[start + i * by.len()..].iter().zip(by).map(|(slope, by)| slope * by).sum()
+        };
+        for i in 0..n {
+            let found =
+                along(0, &direction[0], i) + along(n * n, &direction[1], i) + along(2 * n * n, &direction[2], i);
+            let expected = (after[i] - before[i]) / 2e-5;
+            assert!((found - expected).abs() < 1e-5 * expected.abs().max(1.0), "{i}: {found} {expected}");
+        }
+    });
+}
+
+#[test]
+fn other_languages_solve_a_closed_chain_in_full() {
+    let options = Options::default().languages(Language::ALL);
+    with_analysis(&ring(33), |analysis| {
+        let emitted = analysis.rust(&options).unwrap_or_else(|error| panic!("{error:?}"));
+        assert!(emitted.code.contains("sparse_solve(") && emitted.code.contains("sparse_slopes("));
+        assert!(!emitted.code.contains("constrained_solve"));
+        assert_eq!(emitted.others.len(), Language::ALL.len() - 1);
+        assert!(emitted.others.iter().all(|(_, code)| !code.contains("sparse_solve")));
+    });
+}
+
+/// The second row of each pair says the same as the first one where that holds, and something else elsewhere.
+#[test]
+fn rows_that_depend_on_others_wherever_they_hold_are_solved() {
+    let n = 60;
+    let twice = |second: &str| {
+        format!(
+            "#![dimensionless]
+            mechanism Twice {{
+                coord x[{n}]: 1; coord y[{n}]: 1;
+                for i in 0..{n} {{
+                    kinetic += (dt(x[i])^2 + dt(y[i])^2)/2;
+                    potential += y[i];
+                    constraint circle[i]: x[i]^2 + y[i]^2 = 1;
+                    constraint other[i]: {second} = 0;
+                }}
+            }}"
+        )
+    };
+    with_analysis(&twice("(x[i]^2 + y[i]^2 - 1)*(2 + x[i])"), |analysis| {
+        let programs = analysis.programs();
+        assert!(programs.elimination.is_some());
+        // A bead at rest on the side of its circle falls.
+        let q: Vec<f64> = (0..2 * n).map(|i| f64::from(u8::from(i < n))).collect();
+        let state = State { q, qd: vec![0.0; 2 * n], ..State::default() };
+        let beads = Interpreter::new(programs);
+        let qdd = beads.call(FunctionKind::ForwardDynamics, &state).expect("accelerations");
+        assert_eq!(beads.rank(&state), Some(n));
+        assert!(
+            qdd[..n].iter().all(|x| x.abs() < 1e-12) && qdd[n..].iter().all(|y| (y + 1.0).abs() < 1e-12),
+            "{qdd:?}"
+        );
+    });
 }

@@ -252,9 +252,15 @@ fn solutions<V: Entry>(
     let system = Function { completion: Completion::None, ..function.clone() };
     let values = mechanism.evaluate_with(&system, state, multipliers);
     let lifted: Vec<Exact> = values.into_iter().map(V::lifted).collect();
-    let (mass, rest) = lifted.split_at(n * (n + 1) / 2);
-    let (jacobian, mut right_sides) = rest.split_at(k * n);
-    let solver = Bordered::new(n, mass, jacobian);
+    let (matrices, mut right_sides) = lifted.split_at(derivation.matrix_entries());
+    let (mass, jacobian) = match &derivation.elimination {
+        Some(elimination) => elimination.in_full(matrices),
+        None => {
+            let (mass, jacobian) = matrices.split_at(n * (n + 1) / 2);
+            (mass.to_vec(), jacobian.to_vec())
+        }
+    };
+    let solver = Bordered::new(n, &mass, &jacobian);
     let mut solutions = Vec::new();
     for width in widths(function) {
         let (part, behind) = right_sides.split_at((n + k) * width);

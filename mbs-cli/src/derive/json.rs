@@ -13,6 +13,7 @@
 //!     "operations": {"add": 0, …}, "instructions": [["hoisted", 0]], "results": [0]}, …},
 //!   "prescribed": [],
 //!   "constraints": [],
+//!   "elimination": null,
 //!   "graph": {"nodes": [{"operation": "symbol", "name": "m", "symbol": ["parameter", 0]}, …],
 //!             "roots": {"mass_matrix": [3], …}},
 //!   "splines": []
@@ -46,6 +47,7 @@ pub(crate) fn programs(derivation: &Derivation) -> String {
         "functions": functions,
         "prescribed": variables(&derivation.prescribed),
         "constraints": derivation.constraints,
+        "elimination": derivation.elimination.as_ref().map(|e| json!({ "order": e.order, "entries": e.entries })),
         "graph": graph(derivation),
         "splines": derivation.splines().into_iter().map(spline).collect::<Vec<_>>(),
     });

@@ -16,7 +16,8 @@ pub(crate) fn hint(equations: &Equations<'_>, solver: &mut Solver<'_, '_>, t: f6
     let state = equations.state(t, &motion.q, &motion.qd);
     let mut measured = Vec::new();
     let mut reason = None;
-    if let Some(condition) = condition(&equations.call(FunctionKind::MassMatrix, &state), motion.q.len()) {
+    let mass_matrix = equations.try_call(FunctionKind::MassMatrix, &state);
+    if let Some(condition) = mass_matrix.and_then(|m| condition(&m, motion.q.len())) {
         measured.push(format!("the mass matrix, scaled by its diagonal, has a condition of {condition:.1e}"));
         if condition > 1e10 {
             reason = Some("a singular configuration is near");
@@ -54,7 +55,7 @@ fn condition(mass_matrix: &[f64], n: usize) -> Option<f64> {
 /// The greatest absolute eigenvalue of `d(q, q̇)/dt = (q̇, q̈)`, linearized.
 fn fastest_rate(equations: &Equations<'_>, state: &State) -> Option<f64> {
     let n = state.q.len();
-    let derivatives = equations.call(FunctionKind::Linearize, state);
+    let derivatives = equations.try_call(FunctionKind::Linearize, state)?;
     let entry = |i: usize, j: usize| match (i < n, j < n) {
         (true, _) => f64::from(u8::from(j == i + n)),
         (false, true) => derivatives[(i - n) * n + j],

@@ -66,7 +66,7 @@ fn json_holds_every_program() {
     let json: Value = serde_json::from_str(&workshop.good(&["derive", "chain.mbs", "--emit", "json"])).unwrap();
     let expected = ["mechanism", "coordinates", "parameters", "inputs", "depends_on_time", "constructor", "functions"];
     assert_eq!(keys(&json)[..7], expected);
-    assert_eq!(keys(&json)[7..], ["prescribed", "constraints", "graph", "splines"]);
+    assert_eq!(keys(&json)[7..], ["prescribed", "constraints", "elimination", "graph", "splines"]);
     assert_eq!(json["parameters"][0]["defaults"], serde_json::json!([1.0, 2.0]));
     let mass_matrix = &json["functions"]["mass_matrix"];
     assert_eq!(mass_matrix["returns"][0]["shape"], serde_json::json!(["symmetric", 2]));

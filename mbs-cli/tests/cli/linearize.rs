@@ -369,3 +369,20 @@ fn what_makes_no_sense_is_refused() {
     let many = workshop.bad(&["linearize", "pendulum.mbs", "--state", "[{\"q\": [0]}]"]);
     assert_eq!(many, "error: `mbs linearize` takes one state, not an array of them\n");
 }
+
+/// Of more than a hundred masses nothing but the dynamics is derived.
+#[test]
+fn what_needs_matrices_is_refused_where_they_are_not_derived() {
+    let workshop = Workshop::new();
+    let text = "mechanism Masses { coord x[101]: m; for i in 0..101 { kinetic += 1 kg*dt(x[i])^2/2; } }";
+    workshop.write("masses.mbs", text);
+    let state = format!("{{\"q\": {:?}}}", vec![0.0; 101]);
+    for arguments in [
+        ["linearize", "--state", &state, "masses.mbs"],
+        ["report", "--state", &state, "masses.mbs"],
+        ["fmu", "--out", "masses.fmu", "masses.mbs"],
+    ] {
+        let said = workshop.bad(&arguments);
+        assert!(said.contains("Masses has 101 coordinates"), "{arguments:?}: {said}");
+    }
+}

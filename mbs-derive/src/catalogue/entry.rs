@@ -63,8 +63,9 @@ pub enum Completion {
     None,
     /// They are the lower triangle of M and then right sides f; the results are `M⁻¹ f`, found by the runtime's LDLᵀ.
     Solve,
-    /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of `M q̈ − Aᵀ
-    /// λ = f`, `A q̈ = c`, found by the runtime's `constrained_solve`.
+    /// They are the lower triangle of M, the rows of A, and then right sides f and c; the results are q̈ of
+    /// `M q̈ − Aᵀ λ = f`, `A q̈ = c`, found by the runtime's `constrained_solve`. Of M and A they are the entries that
+    /// the mechanism's `elimination` lists where it has one; `sparse_solve` then finds q̈.
     SolveConstrained,
     /// The system of `SolveConstrained`, of which λ are the results.
     SolveMultipliers,
@@ -227,10 +228,13 @@ impl<'g> Roots<'g> {
             (None, 0) => Completion::Solve,
             (None, _) => Completion::SolveConstrained,
         };
-        // The lower triangle of M, then A.
-        let system = match completion {
-            Completion::None => Vec::new(),
-            _ => [lower_triangle(&forward.mass_matrix), forward.jacobian.concat()].concat(),
+        let (m, a) = (&forward.mass_matrix, &forward.jacobian);
+        let entry = |&[i, j]: &[usize; 2]| if i < m.len() { m[i][j] } else { a[i - m.len()][j] };
+        let system = match (completion, &forward.elimination) {
+            (Completion::None, _) => Vec::new(),
+            (_, Some(elimination)) => elimination.entries.iter().map(entry).collect(),
+            // The lower triangle of M, then A.
+            (_, None) => [lower_triangle(m), a.concat()].concat(),
         };
         Some(Roots { values: [system, self.values].concat(), completion, is_solved: true, ..self })
     }
@@ -269,6 +273,8 @@ pub(crate) struct About<'a> {
     pub parameters: Vec<String>,
     /// The rows of the constraints.
     pub constraints: &'a [String],
+    /// Whether systems with constraints are eliminated in a known order.
+    pub is_eliminated: bool,
     /// The first integrals.
     pub conserved: &'a [String],
     /// What forces are in, which are conjugate to the coordinates; `None` where the mechanism has no units.
@@ -303,6 +309,10 @@ impl About<'_> {
     /// What there is where accelerations are not determined.
     pub(crate) fn where_singular(&self) -> Vec<String> {
         let text = match self.is_constrained() {
+            true if self.is_eliminated => {
+                "Where a coordinate has no inertia, or rows contradict each other, all results are NaN; the integrators \
+                 report that."
+            }
             false => {
                 "Where `M` is singular the results are infinite, NaN or rounding; the integrators report what is not \
                  finite."

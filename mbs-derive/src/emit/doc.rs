@@ -257,8 +257,12 @@ fn force_units(derivation: &Derivation) -> Option<String> {
 }
 
 /// What the documentation of a generated function says.
-pub(super) fn function(derivation: &Derivation, function: &Function) -> Vec<String> {
-    let (entry, about) = (function.kind.entry(), about(derivation, function));
+///
+/// A language may eliminate systems in the order that the derivation knows, or solve them in full.
+pub(super) fn function(derivation: &Derivation, function: &Function, eliminates: bool) -> Vec<String> {
+    let entry = function.kind.entry();
+    let is_eliminated = eliminates && derivation.elimination.is_some();
+    let about = About { is_eliminated, ..about(derivation, function) };
     let mut lines = vec![(entry.doc)(&about)];
     let notes = (entry.notes)(&about);
     if !notes.is_empty() {
@@ -283,6 +287,7 @@ fn about<'a>(derivation: &'a Derivation, function: &'a Function) -> About<'a> {
         arguments: &function.arguments,
         parameters: component_names(&derivation.parameters),
         constraints: &derivation.constraints,
+        is_eliminated: false,
         conserved: &derivation.conserved,
         force_units: force_units(derivation),
         is_pose: value.is_some_and(|f| matches!(f.results[0].shape, Shape::Pose | Shape::Poses(_))),

@@ -113,6 +113,6 @@ impl Language {
         let names = Names::of(derivation, Trigonometry::default()).functions;
         let plain = |name: String| name.strip_prefix("r#").map_or(name.clone(), str::to_string);
         let functions = names.into_iter().zip(&derivation.functions);
-        functions.map(|(name, function)| (plain(name), doc::function(derivation, function))).collect()
+        functions.map(|(name, function)| (plain(name), doc::function(derivation, function, false))).collect()
     }
 }

@@ -10,7 +10,11 @@ use crate::variable::Variable;
 use crate::variable::component_names;
 
 /// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
-const RESERVED: [&str; 12] = [
+const RESERVED: [&str; 16] = [
+    "ORDER",
+    "ENDS",
+    "ROWS",
+    "PLACES",
     "T",
     "t",
     "params",

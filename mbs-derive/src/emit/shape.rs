@@ -1,27 +1,25 @@
 //! The components of results, as programs compute them.
 
+use std::collections::BTreeMap;
+
 use crate::optimise::{Completion, Derivation, Function, FunctionKind};
 use crate::shape::{ResultPart, Shape};
 use crate::variable::component_names;
 
 use super::body::Component;
 
-/// Which of a program's results make up what a function returns, or hands to the runtime.
-pub(super) fn components(derivation: &Derivation, function: &Function) -> Vec<Component> {
+/// Which of a program's results make up what a function returns, or hands to the runtime; of a system that is
+/// eliminated in a known order nothing but its entries, unless it is to be `in_full`.
+pub(super) fn components(derivation: &Derivation, function: &Function, in_full: bool) -> Vec<Component> {
     let n = derivation.dof();
     let square = || (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
     let mut components = Vec::new();
     let mut start = 0;
     let mut shapes: Vec<Shape> = function.results.iter().map(|part| part.shape).collect();
     if function.completion.solves() {
-        let right_sides = shapes.into_iter().map(|shape| right_side_shape(derivation, shape));
-        shapes = [Shape::Matrix(derivation.constraints.len(), n)].into_iter().chain(right_sides).collect();
-        // The runtime reads the lower triangle of M.
-        components.extend(square().map(|(i, j)| match j <= i {
-            true => Component::Result(triangular(i, j), format!("m_{i}_{j}")),
-            false => Component::Zero,
-        }));
-        start = triangular(n, 0);
+        shapes = shapes.into_iter().map(|shape| right_side_shape(derivation, shape)).collect();
+        components = matrices(derivation, in_full);
+        start = derivation.matrix_entries();
     }
     let names = part_names(function);
     for (shape, name) in shapes.into_iter().zip(&names) {
@@ -47,6 +45,31 @@ pub(super) fn components(derivation: &Derivation, function: &Function) -> Vec<Co
     components
 }
 
+/// M and A of the system for accelerations and multipliers: of M the lower triangle, which the runtime reads.
+fn matrices(derivation: &Derivation, in_full: bool) -> Vec<Component> {
+    let (n, k) = (derivation.dof(), derivation.constraints.len());
+    let name = |i: usize, j: usize| if i < n { format!("m_{i}_{j}") } else { format!("a_{}_{j}", i - n) };
+    let full = (0..n + k).flat_map(|i| (0..n).map(move |j| [i, j]));
+    match &derivation.elimination {
+        None => full
+            .map(|[i, j]| match j <= i {
+                true if i < n => Component::Result(triangular(i, j), name(i, j)),
+                true => Component::Result(triangular(n, 0) + (i - n) * n + j, name(i, j)),
+                false => Component::Zero,
+            })
+            .collect(),
+        Some(elimination) => {
+            let entries = elimination.entries.iter().enumerate();
+            let entries = entries.map(|(number, &[i, j])| ([i, j], Component::Result(number, name(i, j))));
+            if !in_full {
+                return entries.map(|(_, entry)| entry).collect();
+            }
+            let mut known: BTreeMap<[usize; 2], Component> = entries.collect();
+            full.map(|place| known.remove(&place).unwrap_or(Component::Zero)).collect()
+        }
+    }
+}
+
 /// The right sides of the system for accelerations and multipliers, for a result of this shape.
 fn right_side_shape(derivation: &Derivation, shape: Shape) -> Shape {
     let size = derivation.dof() + derivation.constraints.len();
@@ -68,7 +91,7 @@ fn triangular(i: usize, j: usize) -> usize {
     i * (i + 1) / 2 + j
 }
 
-/// What the parts of a result are called; before the right sides of a system come the rows of A.
+/// What the parts of a result are called.
 fn part_names(function: &Function) -> Vec<String> {
     let of = match function.kind {
         FunctionKind::Linearize | FunctionKind::ForwardDynamics => "qdd",
@@ -77,8 +100,7 @@ fn part_names(function: &Function) -> Vec<String> {
         _ => function.name.as_str(),
     };
     let name = |part: &ResultPart| if part.name.is_empty() { of.to_string() } else { format!("{of}_by_{}", part.name) };
-    let rows = function.completion.solves().then(|| "a".to_string());
-    rows.into_iter().chain(function.results.iter().map(name)).collect()
+    function.results.iter().map(name).collect()
 }
 
 /// What a component of a part is called.

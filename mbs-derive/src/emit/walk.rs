@@ -56,6 +56,10 @@ pub(super) trait Syntax {
     fn fuses(&self) -> bool {
         false
     }
+    /// Whether systems are eliminated in the order that the derivation knows, and not by a full matrix.
+    fn eliminates(&self) -> bool {
+        false
+    }
     /// What a body begins with: names for what it reads.
     fn begin(&self, reads: &[(&str, Place<'_>)], _body: &Body<'_>) -> Vec<String> {
         reads.iter().map(|(name, place)| self.bind(&self.identifier(name), &self.read(place))).collect()
@@ -141,6 +145,8 @@ pub(super) struct Routine {
     pub(super) mass_matrix: Vec<String>,
     /// A, row by row, where a system with constraints is solved.
     pub(super) jacobian: Vec<String>,
+    /// The entries of M and A, where the system is eliminated in a known order; M and A are then empty.
+    pub(super) entries: Vec<String>,
     /// Of each part: its numbers, or the right sides that it is solved for, row by row.
     pub(super) values: Vec<Vec<String>>,
     pub(super) ending: Ending,
@@ -317,7 +323,7 @@ impl<'d> Walk<'d> {
         let (lines, values) = match ending {
             Ending::OfMotion(_) => (Vec::new(), Vec::new()),
             Ending::Values | Ending::Solve | Ending::Motion | Ending::Slopes(_) => {
-                let components = shape::components(self.derivation, function);
+                let components = shape::components(self.derivation, function, !syntax.eliminates());
                 self.evaluated(&function.program, &components, self.names.function_scope(), syntax)
             }
         };
@@ -330,15 +336,21 @@ impl<'d> Walk<'d> {
             }
             false => {
                 let parts = function.results.iter().map(|part| (part.name.to_string(), part.shape));
-                (&self.names.functions[number], doc::function(self.derivation, function), parts.collect())
+                (
+                    &self.names.functions[number],
+                    doc::function(self.derivation, function, syntax.eliminates()),
+                    parts.collect(),
+                )
             }
         };
         let mut values = values.into_iter();
         let mut next = |count: usize| values.by_ref().take(count).collect::<Vec<String>>();
-        let (mass_matrix, jacobian) = match ending {
-            Ending::Values | Ending::OfMotion(_) => (Vec::new(), Vec::new()),
-            Ending::Solve => (next(n * n), Vec::new()),
-            Ending::Motion | Ending::Slopes(_) => (next(n * n), next(k * n)),
+        let elimination = self.derivation.elimination.as_ref().filter(|_| syntax.eliminates());
+        let (none, is_solved) = (Vec::new, !matches!(ending, Ending::Values | Ending::OfMotion(_)));
+        let (mass_matrix, jacobian, entries) = match elimination {
+            _ if !is_solved => (none(), none(), none()),
+            Some(elimination) => (none(), none(), next(elimination.entries.len())),
+            None => (next(n * n), next(k * n), none()),
         };
         let count = |shape: Shape| match ending {
             Ending::Slopes(_) => (n + k) * columns(shape),
@@ -354,6 +366,7 @@ impl<'d> Walk<'d> {
             lines,
             mass_matrix,
             jacobian,
+            entries,
             values: parts.iter().map(|(_, shape)| next(count(*shape))).collect(),
             parts,
             ending,

@@ -6,6 +6,7 @@
 mod scaling;
 
 use super::evaluate::{Terms, Value};
+use super::sparse::{self, FEW_UNKNOWNS};
 
 pub(crate) use scaling::Scales;
 pub(super) use scaling::power;
@@ -408,6 +409,11 @@ impl<V: Value> NullSpace<V> {
 /// number in `vectors` are of one vector.
 pub(crate) fn least_change(weights: &[f64], jacobian: &[f64], vectors: &[usize], target: &[f64]) -> Option<Vec<f64>> {
     let n = weights.len();
+    if n + vectors.len() > FEW_UNKNOWNS
+        && let Some(change) = sparse::least_change(weights, jacobian, target, None)
+    {
+        return Some(change);
+    }
     let triangle: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| if i == j { weights[i] } else { 0.0 })).collect();
     let column = [vec![0.0; n].as_slice(), target].concat();
     let mut x = NullSpace::new(n, &triangle, jacobian, vectors)?.solve_independent_rows(&column)?;

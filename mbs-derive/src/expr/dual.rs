@@ -3,10 +3,11 @@
 //! The independent witness of the symbolic sweeps: nothing here shares a line with them.
 
 use super::constrained::{remainder, remainder_sizes};
-use super::evaluate::{Solutions, Terms, Value};
+use super::evaluate::{Solution, Solutions, Terms, Value};
 use super::factors::{Factors, symmetric_times};
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::sparse::Elimination;
 use super::spline::Spline;
 
 /// `value + derivative ε` with `ε² = 0`.
@@ -144,6 +145,19 @@ impl<S: Value> Value for Dual<S> {
             let pair =
                 |(x, rates): (&Vec<S>, Vec<S>)| x.iter().zip(rates).map(|(&x, rate)| Dual::new(x, rate)).collect();
             solutions.iter().zip(rates).map(pair).collect()
+        })
+    }
+    fn eliminated<'a>(elimination: &'a Elimination, entries: Vec<Self>) -> Solution<'a, Self>
+    where
+        Self: 'a,
+    {
+        let solve = S::eliminated(elimination, entries.iter().map(|v| v.value).collect());
+        let slopes: Vec<S> = entries.iter().map(|v| v.derivative).collect();
+        Box::new(move |column| {
+            let x = solve(&column.iter().map(|b| b.value).collect::<Vec<S>>());
+            let turned = elimination.times(&slopes, &elimination.signed(x.clone()));
+            let rest: Vec<S> = column.iter().zip(turned).map(|(b, turned)| b.derivative.sub(turned)).collect();
+            x.into_iter().zip(solve(&rest)).map(|(x, rate)| Dual::new(x, rate)).collect()
         })
     }
     fn exponent(self) -> i32 {

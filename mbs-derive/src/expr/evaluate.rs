@@ -1,5 +1,6 @@
 //! Numerical values of expressions, over any kind of number: doubles, or dual numbers that carry derivatives.
 
+use std::collections::BTreeSet;
 use std::rc::Rc;
 
 use super::constrained::{NullSpace, power};
@@ -7,6 +8,7 @@ use super::factors::Factors;
 use super::function::{Binary, Function};
 use super::graph::{Expr, Id, Node, Symbol};
 use super::number::Number;
+use super::sparse::{self, Elimination};
 use super::spline::{Spline, SplineDerivative};
 use super::table::Table;
 
@@ -107,6 +109,19 @@ pub trait Value: Copy {
         Box::new(move |columns, terms| match &system {
             Some(system) => system.solve(columns, terms).into_iter().map(|x| x.unwrap_or_else(undefined)).collect(),
             None => columns.iter().map(|_| undefined()).collect(),
+        })
+    }
+    /// What gives q̈, then λ, of the system with constraints of these entries, for a column of f, then c. NaN where a
+    /// coordinate has no inertia, rows contradict each other, or something is not finite.
+    fn eliminated<'a>(elimination: &'a Elimination, entries: Vec<Self>) -> Solution<'a, Self>
+    where
+        Self: 'a,
+    {
+        let factors = sparse::Factors::new(elimination, &entries);
+        let found = move |column: &[Self]| factors.as_ref()?.solution(elimination, column);
+        Box::new(move |column| match found(column) {
+            Some(solution) => elimination.signed(solution),
+            None => vec![Self::constant(f64::NAN); column.len()],
         })
     }
     /// `⌊log₂ |a|⌋`, of a subnormal number that of the smallest normal one.
@@ -248,6 +263,15 @@ pub struct Tape {
 }
 
 impl Tape {
+    /// The coordinates that it depends on, or whose rates it does, rising.
+    pub(crate) fn coordinates(&self) -> Vec<usize> {
+        let found = self.steps.iter().filter_map(|step| match step {
+            Node::Symbol(Symbol::Coordinate(i) | Symbol::Velocity(i)) => Some(*i as usize),
+            _ => None,
+        });
+        found.collect::<BTreeSet<_>>().into_iter().collect()
+    }
+
     /// A tape for these expressions.
     pub fn new(roots: &[Expr<'_>]) -> Self {
         let Some(first) = roots.first() else { return Tape::default() };

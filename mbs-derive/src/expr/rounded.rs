@@ -9,9 +9,10 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use super::constrained::{NullSpace, remainder};
 use super::dual::slope;
-use super::evaluate::{Solutions, Terms, Value};
+use super::evaluate::{Solution, Solutions, Terms, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
+use super::sparse::{self as eliminated, Elimination};
 use sparse::Factors;
 
 /// Of more unknowns an inverse is bounded, and not computed, where there are no constraints.
@@ -153,6 +154,14 @@ impl Value for Rounded {
         if let Some(factors) = is_large.then(|| Factors::of(n, &doubles(&mass))).flatten() {
             return Box::new(move |columns, _| columns.iter().map(|column| bounded(&factors, &mass, column)).collect());
         }
+        let is_large = n + vectors.len() > FEW;
+        if let Some((elimination, entries)) =
+            is_large.then(|| Elimination::of_values(n, &mass, &jacobian, |x| x.is_exactly_zero())).flatten()
+            && let Some(factors) = eliminated::Factors::new(&elimination, &doubles(&entries))
+        {
+            let bounded = move |column: &Vec<Self>| bounded_by_pivots(&elimination, &entries, &factors, column);
+            return Box::new(move |columns, _| columns.iter().map(&bounded).collect());
+        }
         let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian), vectors);
         let size = n + vectors.len();
         let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
@@ -184,9 +193,39 @@ impl Value for Rounded {
             solutions.map(|(x, column)| x.map_or_else(undefined, |x| bounded(column, &x, inverse))).collect()
         })
     }
+    fn eliminated<'a>(elimination: &'a Elimination, entries: Vec<Self>) -> Solution<'a, Self>
+    where
+        Self: 'a,
+    {
+        let values: Vec<f64> = entries.iter().map(|entry| entry.value).collect();
+        let factors = eliminated::Factors::new(elimination, &values);
+        Box::new(move |column| match &factors {
+            Some(factors) => bounded_by_pivots(elimination, &entries, factors, column),
+            None => vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()],
+        })
+    }
     fn exponent(self) -> i32 {
         self.value.exponent()
     }
+}
+
+/// q̈ and λ of a large system with constraints, and how far they may be from the exact ones.
+fn bounded_by_pivots(
+    elimination: &Elimination,
+    entries: &[Rounded],
+    factors: &eliminated::Factors<f64>,
+    column: &[Rounded],
+) -> Vec<Rounded> {
+    let b: Vec<f64> = column.iter().map(|number| number.value).collect();
+    let Some(solution) = factors.solution(elimination, &b) else {
+        return vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()];
+    };
+    let solution: Vec<Rounded> = solution.into_iter().map(Rounded::exact).collect();
+    let rest = elimination.times(entries, &solution).into_iter().zip(column).map(|(found, &b)| b - found);
+    let sizes: Vec<f64> = rest.map(|rest| rest.value.abs() + rest.error).collect();
+    let errors = factors.bounds(elimination, &sizes);
+    let bounded = solution.into_iter().zip(errors).map(|(x, error)| Rounded { error, ..x }).collect();
+    elimination.signed(bounded)
 }
 
 /// The solution of a large system without constraints, and how far it may be from the exact one.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Add;
 
-use crate::expr::Function;
+use crate::expr::{Elimination, Function};
 
 use super::program::{Instruction, Program};
 use super::{ResultPart, Shape};
@@ -136,6 +136,20 @@ impl Operations {
             div: k + 2 * s,
             ..Operations::default()
         }
+    }
+}
+
+/// What the runtime's elimination of a system costs for these right sides.
+pub(crate) fn eliminate(elimination: &Elimination, results: &[ResultPart]) -> Operations {
+    let ([factorization, solution], columns, size) = (elimination.pairs(), columns(results), elimination.order.len());
+    let pairs = factorization + columns * solution;
+    Operations {
+        // What pivots are compared with is summed up.
+        add: pairs + solution / 2,
+        // Entries by reciprocal pivots, what is left of a pivot, and right sides by reciprocal pivots.
+        mul: pairs + solution / 2 + size + columns * size,
+        div: size,
+        ..Operations::default()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::ops::Deref;
 
 use super::{Function, Program};
+use crate::expr::Elimination;
 use crate::model::Reaction;
 use crate::model::requirement::Requirement;
 use crate::variable::Variable;
@@ -21,10 +22,10 @@ use crate::variable::Variable;
 /// assert!(names.contains(&"forward_dynamics"));
 /// ```
 ///
-/// Everybody reads it, as a struct with the fields `name`, `docs`, `coordinates`, `parameters`, `inputs`, `prescribed`,
-/// `constraints`, `constraint_vectors`, `holonomic`, `constraint_units`, `reactions`, `conserved`, `output_units`,
-/// `depends_on_time`, `constructor`, `requirements`, `required` and `functions`; this pass alone writes it. It may be
-/// [altered](Derivation::altered) to see that a proof notices.
+/// Everybody reads it, as a struct with the fields `name`, `docs`, `coordinates`, `parameters`, `inputs`,
+/// `prescribed`, `constraints`, `constraint_vectors`, `holonomic`, `constraint_units`, `reactions`, `conserved`,
+/// `output_units`, `depends_on_time`, `constructor`, `requirements`, `required`, `elimination` and `functions`; this
+/// pass alone writes it. It may be [altered](Derivation::altered) to see that a proof notices.
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Derivation(pub(in crate::optimise) Derived);
@@ -82,6 +83,8 @@ pub struct Derived {
     pub requirements: Vec<Requirement>,
     /// From parameters to the numbers that the requirements are about, `Condition::count` for each in turn.
     pub required: Program,
+    /// How systems with constraints are eliminated, where most of their entries are zero.
+    pub elimination: Option<Elimination>,
     /// The generated functions, in the order of the documentation.
     pub functions: Vec<Function>,
 }

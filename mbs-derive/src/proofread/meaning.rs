@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use crate::expr::Symbol;
+use crate::expr::{Elimination, Symbol};
 use crate::optimise::{Argument, Completion, Derivation, Function, FunctionKind};
 use crate::shape::{ResultPart, Shape};
 use crate::variable::{Variable, count};
@@ -120,6 +120,8 @@ pub(super) struct System {
     pub(super) mass_matrix: Vec<Number>,
     /// A, row by row.
     pub(super) jacobian: Vec<Number>,
+    /// Of both those that are not zero everywhere, where they are eliminated in a known order.
+    pub(super) entries: Vec<Number>,
     /// Of each part, row by row.
     pub(super) right_sides: Vec<Vec<Number>>,
 }
@@ -211,17 +213,30 @@ impl<'d> Expectation<'d> {
     pub(super) fn system(&self, function: &Function, numbering: &mut Numbering) -> System {
         let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
         let results = self.results(function, numbering);
-        let (triangle, rest) = results.split_at(n * (n + 1) / 2);
+        let (entries, mut rest) = results.split_at(self.derivation.matrix_entries());
         let zero = numbering.constant(0.0);
-        let entry = |i: usize, j: usize| if j > i { zero } else { triangle[i * (i + 1) / 2 + j] };
-        let mass_matrix = (0..n * n).map(|i| entry(i / n, i % n)).collect();
-        let (jacobian, mut rest) = rest.split_at(rows * n);
+        let (mut mass_matrix, mut jacobian) = (vec![zero; n * n], Vec::new());
+        let mut put = |i: usize, j: usize, entry| mass_matrix[i * n + j] = entry;
+        match &self.derivation.elimination {
+            None => {
+                let (triangle, rows) = entries.split_at(n * (n + 1) / 2);
+                (0..n).for_each(|i| (0..=i).for_each(|j| put(i, j, triangle[i * (i + 1) / 2 + j])));
+                jacobian.extend(rows);
+            }
+            Some(elimination) => {
+                jacobian.resize(rows * n, zero);
+                for (&[i, j], &entry) in elimination.entries.iter().zip(entries) {
+                    if i < n { put(i, j, entry) } else { jacobian[(i - n) * n + j] = entry }
+                }
+            }
+        }
         let part = |of: &ResultPart| {
             let (own, behind) = rest.split_at((n + rows) * width(of));
             rest = behind;
             own.to_vec()
         };
-        System { mass_matrix, jacobian: jacobian.to_vec(), right_sides: function.results.iter().map(part).collect() }
+        let right_sides = function.results.iter().map(part).collect();
+        System { entries: entries.to_vec(), mass_matrix, jacobian, right_sides }
     }
 
     fn solved(&self, function: &Function, numbering: &mut Numbering) -> Meaning {
@@ -243,18 +258,18 @@ impl<'d> Expectation<'d> {
     /// q̈ and λ as the runtime gives them, from forward dynamics.
     pub(super) fn motion(&self, forward_dynamics: &Function, numbering: &mut Numbering) -> Meaning {
         let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
-        let System { mass_matrix, jacobian, right_sides } = self.system(forward_dynamics, numbering);
+        let System { entries, mass_matrix, jacobian, right_sides } = self.system(forward_dynamics, numbering);
         let (force, target) = right_sides[0].split_at(n);
-        let arguments = [
-            in_shape(Shape::Matrix(n, n), &mass_matrix),
-            in_shape(Shape::Matrix(rows, n), &jacobian),
-            in_shape(Shape::Vector(n), force),
-            in_shape(Shape::Vector(rows), target),
-        ];
+        let right_side = [in_shape(Shape::Vector(n), force), in_shape(Shape::Vector(rows), target)];
+        if let Some(elimination) = &self.derivation.elimination {
+            return Meaning::call("sparse_solve", sparse(elimination, &entries).into_iter().chain(right_side));
+        }
+        let matrices = [in_shape(Shape::Matrix(n, n), &mass_matrix), in_shape(Shape::Matrix(rows, n), &jacobian)];
+        let arguments = matrices.into_iter().chain(right_side);
         if self.derivation.constraint_vectors.iter().enumerate().all(|(row, &first)| row == first) {
             return Meaning::call("constrained_solve", arguments);
         }
-        Meaning::call("constrained_solve_vectors", arguments.into_iter().chain([self.vectors()]))
+        Meaning::call("constrained_solve_vectors", arguments.chain([self.vectors()]))
     }
 
     fn vectors(&self) -> Meaning {
@@ -264,7 +279,7 @@ impl<'d> Expectation<'d> {
     /// Derivatives of the motion with constraints.
     fn slopes(&self, function: &Function, numbering: &mut Numbering) -> Meaning {
         let (n, rows) = (self.derivation.dof(), self.derivation.constraints.len());
-        let System { mass_matrix, jacobian, right_sides } = self.system(function, numbering);
+        let System { entries, mass_matrix, jacobian, right_sides } = self.system(function, numbering);
         let widths: Vec<usize> = function.results.iter().map(width).collect();
         let row = |i: usize| {
             let parts = right_sides.iter().zip(&widths);
@@ -277,8 +292,15 @@ impl<'d> Expectation<'d> {
             (in_shape(Shape::Matrix(n, n), &mass_matrix), in_shape(Shape::Matrix(rows, n), &jacobian));
         let motion = self.of_the_motion(Argument::Qdd, numbering);
         let sizes = self.sizes(function, numbering);
-        let solution =
-            Meaning::call("constrained_slopes", [mass_matrix, jacobian, force, target, self.vectors(), motion, sizes]);
+        let solution = match &self.derivation.elimination {
+            Some(elimination) => {
+                Meaning::call("sparse_slopes", sparse(elimination, &entries).into_iter().chain([force, target]))
+            }
+            None => {
+                let measures = [self.vectors(), motion, sizes];
+                Meaning::call("constrained_slopes", [mass_matrix, jacobian, force, target].into_iter().chain(measures))
+            }
+        };
         if widths.len() == 1 {
             return solution;
         }
@@ -302,6 +324,15 @@ impl<'d> Expectation<'d> {
         let parameter = |i: u32| Meaning::Number(numbering.symbol(Symbol::Parameter(i)));
         Meaning::list(parameters.map(parameter).collect::<Vec<_>>())
     }
+}
+
+/// The order of an elimination, and the entries of its system.
+fn sparse(elimination: &Elimination, entries: &[Number]) -> [Meaning; 2] {
+    let Elimination { order, starts, rows, places, .. } = elimination;
+    let integers = |numbers: &[usize]| Meaning::list(numbers.iter().copied().map(Meaning::Integer));
+    let tables = [("order", order.as_slice()), ("ends", &starts[1..]), ("rows", rows), ("places", places)];
+    let tables = tables.map(|(name, numbers)| (name, integers(numbers)));
+    [Meaning::record("mbs_runtime::Elimination", tables), in_shape(Shape::Vector(entries.len()), entries)]
 }
 
 /// The parts of a function's result as it returns them.

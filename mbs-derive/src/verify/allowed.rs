@@ -1,7 +1,7 @@
 //! Motions that the constraints allow: states that hold them, and what is conserved there.
 
 use crate::catalogue::FunctionKind as Kind;
-use crate::expr::{Dual, Rounded, least_change};
+use crate::expr::{Dual, Rounded, Value, least_change, sparse};
 use crate::interpret::State;
 use crate::numeric::elimination::{ROUNDING, scales};
 
@@ -116,16 +116,28 @@ impl Trial<'_> {
             let target: Vec<f64> = value.iter().map(|v| -v.value).collect();
             // Off the constraints a row is not yet small in its vector, and its equation is needed to get there.
             let each: Vec<usize> = (0..target.len()).collect();
-            let step = least_change(&weights, &doubles_of(&a), &each, &target)?;
+            let step = self.least_change(&weights, &doubles_of(&a), &each, &target)?;
             state.q.iter_mut().zip(step).for_each(|(q, step)| *q = Rounded::exact(q.value + step));
         }
         None
+    }
+
+    /// The least x with `A x = target`, of these rows.
+    fn least_change(&self, weights: &[f64], a: &[f64], vectors: &[usize], target: &[f64]) -> Option<Vec<f64>> {
+        let known = self.derivation.elimination.as_ref().filter(|_| target.len() == self.derivation.constraints.len());
+        match known {
+            Some(_) => sparse::least_change(weights, a, target, known),
+            None => least_change(weights, a, vectors, target),
+        }
     }
 
     /// The rows of a function that belong to holonomic constraints.
     fn holonomic(&self, kind: Kind, state: &State<Rounded>) -> Vec<Rounded> {
         let values = self.rows_at(kind, state);
         let holonomic = &self.derivation.holonomic;
+        if holonomic.iter().all(|is_holonomic| *is_holonomic) {
+            return values;
+        }
         let rows = values.chunks(values.len() / holonomic.len()).zip(holonomic);
         rows.filter(|(_, is_holonomic)| **is_holonomic).flat_map(|(row, _)| row.to_vec()).collect()
     }
@@ -133,6 +145,11 @@ impl Trial<'_> {
     /// The diagonal of a metric of q̇ that follows the units, as the scales of the solution do: powers of two.
     pub(super) fn weights(&self) -> Vec<Rounded> {
         let n = self.n();
+        if self.derivation.elimination.is_some() {
+            // Every coordinate has inertia.
+            let inertias = self.call(Kind::MassMatrix).into_iter().step_by(n + 1);
+            return inertias.map(|m| Rounded::exact(2.0_f64.powi(m.exponent()))).collect();
+        }
         let scales = scales(n, &self.call(Kind::MassMatrix), &self.rows(Kind::ConstraintJacobian), self.vectors());
         (0..n).map(|i| scales.weight(i)).collect()
     }
@@ -145,7 +162,7 @@ impl Trial<'_> {
         }
         let a = doubles_of(&self.rows(Kind::ConstraintJacobian));
         let target: Vec<f64> = self.rows(Kind::ConstraintRate).iter().map(|v| -v.value).collect();
-        let change = least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target)?;
+        let change = self.least_change(&doubles_of(&self.weights()), &a, self.vectors(), &target)?;
         let is_moderate = change.iter().all(|change| change.abs() < 1e50);
         let changed = self.state.qd.iter().zip(change).map(|(qd, change)| Rounded::exact(qd.value + change));
         is_moderate.then(|| changed.collect())

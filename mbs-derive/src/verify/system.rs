@@ -2,14 +2,15 @@
 //! whatever the order of pivots is, so that nothing else is to be proved of it.
 
 use crate::catalogue::FunctionKind as Kind;
-use crate::expr::{Dual, Symbol, remainder};
+use crate::expr::{Dual, Elimination, Symbol, remainder};
 use crate::interpret::{Interpreter, State, columns};
 use crate::optimise::Function;
 use crate::shape::Shape;
 
 use super::Failure;
-use super::claim::Trial;
+use super::claim::{Trial, called};
 use super::group::Group;
+use super::linear::add;
 use super::tested::Tested;
 use super::witness::lift_all;
 
@@ -22,25 +23,68 @@ struct Matrices<V> {
 impl<V: Tested> Trial<'_, V> {
     /// `M q̈ − Aᵀ λ = Q − h − ∂D/∂q̇`, `A q̈ = −γ`, as it is set up for accelerations and for multipliers.
     pub(super) fn systems_of_motion(&self) -> Result<(), Failure> {
-        let [force, h, d] = [Kind::GeneralizedForce, Kind::Bias, Kind::DissipationForce].map(|kind| self.call(kind));
-        let forces = (0..self.n()).map(|i| force[i] - h[i] - d[i]);
+        let forces = difference(&self.call(Kind::GeneralizedForce), &self.force_without_acceleration());
         let targets = self.rows(Kind::ConstraintBias).into_iter().map(|bias| -bias);
-        let right_side: Vec<V> = forces.chain(targets).collect();
+        let right_side: Vec<V> = forces.into_iter().chain(targets).collect();
         for function in [Kind::ForwardDynamics, Kind::Multipliers].map(|kind| self.derivation.function(kind)) {
             let Some(function) = function else { continue };
             let values = self.interpreter.values(function, self.state, &[]);
-            let rest = self.matrices("system of the motion", &values)?;
+            let rest = match &self.derivation.elimination {
+                Some(elimination) => self.products("system of the motion", elimination, &values)?,
+                None => self.matrices("system of the motion", &values)?,
+            };
             self.equal("right side of the system of the motion", rest, &right_side)?;
         }
         Ok(())
+    }
+
+    /// That M and A, whose entries stand first, give what inverse dynamics and the constraints' rates do for any
+    /// accelerations; what stands behind them.
+    fn products<'v>(
+        &self,
+        claim: &'static str,
+        elimination: &Elimination,
+        values: &'v [V],
+    ) -> Result<&'v [V], Failure> {
+        let (entries, rest) = values.split_at(elimination.entries.len());
+        let qdd = &self.state.qdd;
+        let mut unknowns = qdd.clone();
+        unknowns.resize(elimination.order.len(), V::default());
+        let expected = [self.inertial_force(), self.along_rows(qdd)].concat();
+        self.equal(claim, &elimination.times(entries, &unknowns), &expected)?;
+        Ok(rest)
+    }
+
+    /// `M q̈`, by inverse dynamics.
+    fn inertial_force(&self) -> Vec<V> {
+        difference(&self.call(Kind::InverseDynamics), &self.force_without_acceleration())
+    }
+
+    /// `h + ∂D/∂q̇`, by inverse dynamics where there is no function for h.
+    fn force_without_acceleration(&self) -> Vec<V> {
+        if self.derivation.function(Kind::Bias).is_some() {
+            return add(&self.call(Kind::Bias), &self.call(Kind::DissipationForce));
+        }
+        let unaccelerated = State { qdd: vec![V::default(); self.n()], ..self.state.clone() };
+        called(&self.interpreter, Kind::InverseDynamics, &unaccelerated)
+    }
+
+    /// `A v`, by the rates of the constraints.
+    pub(super) fn along_rows(&self, v: &[V]) -> Vec<V> {
+        let rate = |qd: Vec<V>| self.rows_at(Kind::ConstraintRate, &State { qd, ..self.state.clone() });
+        difference(&rate(v.to_vec()), &rate(vec![V::default(); self.n()]))
     }
 
     /// That M and A stand first; what stands behind them.
     fn matrices<'v>(&self, claim: &'static str, values: &'v [V]) -> Result<&'v [V], Failure> {
         let n = self.n();
         let Matrices { mass, jacobian } = self.expected_matrices();
-        let (found_mass, rest) = values.split_at(n * (n + 1) / 2);
-        let (found_jacobian, rest) = rest.split_at(jacobian.len());
+        let (found, rest) = values.split_at(self.derivation.matrix_entries());
+        let in_full = self.derivation.elimination.as_ref().map(|elimination| elimination.in_full(found));
+        let (found_mass, found_jacobian) = match &in_full {
+            Some((mass, jacobian)) => (mass.as_slice(), jacobian.as_slice()),
+            None => found.split_at(n * (n + 1) / 2),
+        };
         self.equal(claim, found_mass, &mass)?;
         self.equal(claim, found_jacobian, &jacobian)?;
         Ok(rest)
@@ -112,4 +156,8 @@ impl<V: Tested> Trial<'_, V> {
 fn sum<V: Tested>(group: Group, columns: &[Vec<V>]) -> Vec<V> {
     let rows = columns.first().map_or(0, Vec::len);
     (0..rows).map(|i| group.columns().map(|j| group.weight::<V>(j) * columns[j][i]).sum()).collect()
+}
+
+fn difference<V: Tested>(a: &[V], b: &[V]) -> Vec<V> {
+    a.iter().zip(b).map(|(&a, &b)| a - b).collect()
 }

@@ -4,6 +4,7 @@
 use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
+use crate::expr::Elimination;
 use crate::optimise::FunctionKind;
 use crate::shape::Shape;
 
@@ -107,6 +108,9 @@ impl Module<'_> {
     /// q̈ and λ.
     fn constrained(&self, routine: &Routine) -> String {
         let (system, right_sides) = (self.system(routine), in_shape(routine).join(", "));
+        if let Some(tables) = self.tables_of_elimination() {
+            return format!("{tables}\n::mbs_runtime::sparse_solve({system}, {right_sides})");
+        }
         let vectors = &self.walk.derivation.constraint_vectors;
         match vectors.iter().enumerate().all(|(row, &first)| row == first) {
             true => format!("::mbs_runtime::constrained_solve({system}, {right_sides})"),
@@ -120,24 +124,48 @@ impl Module<'_> {
         let rows: Vec<String> = routine.right_sides(n + k).iter().map(|row| array_of(row)).collect();
         let right_sides = format!("{}, {}", array_of(&rows[..n]), array_of(&rows[n..]));
         let (vectors, scale) = (&self.walk.derivation.constraint_vectors, &self.walk.names.scale);
-        let arguments = format!("{}, {right_sides}, {vectors:?}, {scale}.0, {scale}.1", self.system(routine));
-        let solution = format!("::mbs_runtime::constrained_slopes({arguments})");
+        let system = self.system(routine);
+        let tables = self.tables_of_elimination();
+        let solution = match &tables {
+            Some(_) => format!("::mbs_runtime::sparse_slopes({system}, {right_sides})"),
+            None => {
+                let measures = format!("{vectors:?}, {scale}.0, {scale}.1");
+                format!("::mbs_runtime::constrained_slopes({system}, {right_sides}, {measures})")
+            }
+        };
+        let tables = tables.unwrap_or_default();
         let widths = routine.widths();
         if widths.len() == 1 {
-            return solution;
+            return tables + &solution;
         }
         let starts = widths.iter().scan(0, |next, width| Some(std::mem::replace(next, *next + width)));
         let parts = starts.map(|start| {
             let first = if start > 0 { format!("{start} + ") } else { String::new() };
             format!("::core::array::from_fn(|i| ::core::array::from_fn(|j| solution[i][{first}j]))")
         });
-        format!("let solution = {solution};\n{}", assembled(routine, &parts.collect::<Vec<_>>()))
+        format!("{tables}let solution = {solution};\n{}", assembled(routine, &parts.collect::<Vec<_>>()))
     }
 
-    /// M and A.
+    /// M and A, or the order in which they are eliminated and their entries.
     fn system(&self, routine: &Routine) -> String {
+        if !routine.entries.is_empty() {
+            let fields = ["order: &ORDER", "ends: &ENDS", "rows: &ROWS", "places: &PLACES"].join(", ");
+            return format!("&::mbs_runtime::Elimination {{ {fields} }}, {}", array_of(&routine.entries));
+        }
         let n = self.walk.derivation.dof();
         format!("{}, {}", rows(&routine.mass_matrix, n), rows(&routine.jacobian, n))
+    }
+
+    /// The order of elimination, where there is one.
+    fn tables_of_elimination(&self) -> Option<String> {
+        let Elimination { order, starts, rows, places, .. } = self.walk.derivation.elimination.as_ref()?;
+        let table = |name: &str, of: &str, numbers: &[usize]| {
+            let listed: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+            format!("static {name}: [{of}; {}] = [{}];\n", numbers.len(), listed.join(", "))
+        };
+        let tables = [("ORDER", "u16", order.as_slice()), ("ENDS", "u32", &starts[1..]), ("ROWS", "u16", rows)];
+        let tables = tables.into_iter().chain([("PLACES", "u32", places.as_slice())]);
+        Some(tables.map(|(name, of, numbers)| table(name, of, numbers)).collect())
     }
 }
 

@@ -109,6 +109,10 @@ fn binds_fields(body: &Body<'_>) -> bool {
 }
 
 impl Syntax for Rust<'_, '_> {
+    fn eliminates(&self) -> bool {
+        true
+    }
+
     fn identifier(&self, name: &str) -> String {
         name.to_string()
     }

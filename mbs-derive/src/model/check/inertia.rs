@@ -1,6 +1,6 @@
 //! Whether every motion that the constraints leave has inertia: the mass matrix of the declared energies.
 
-use crate::expr::{Dual, Expr, Graph, Residue, Rounded, Symbol, Tape, Value, carry_out, gradient};
+use crate::expr::{Dual, Expr, Graph, Residue, Rounded, Symbol, Tape, Value, carry_out, gradient, sparse};
 use crate::numeric::elimination::{Elimination, ROUNDING, eliminate_rounded, on_allowed_motions};
 
 use crate::model::check::degree::{Line, Problem};
@@ -94,6 +94,13 @@ fn problem_of_many(motion: &Motion, lines: &[Line]) -> Option<Problem> {
     least.filter(|_| is_negative).map(|(i, _)| Problem::NegativeInertia(i))
 }
 
+/// Whether M and A are clearly regular at a state, by an elimination that takes but what is not zero.
+fn is_clearly_regular(motion: &Motion, constraints: &VelocityEquations, line: &Line, n: usize) -> bool {
+    let mass = motion.mass_matrix(n, |velocity, symbol| line.with_velocity(velocity, symbol));
+    let triangle: Vec<f64> = (0..n).flat_map(|i| mass[i * n..=i * n + i].to_vec()).collect();
+    sparse::is_regular(n, &triangle, &constraints.pfaffian(line, n).concat())
+}
+
 /// What is wrong with the inertia of a mechanism, if anything.
 pub(in crate::model) fn problem(
     motion: &Motion,
@@ -103,6 +110,11 @@ pub(in crate::model) fn problem(
 ) -> Option<Problem> {
     if n > MANY && constraints.vectors().next().is_none() {
         return problem_of_many(motion, lines);
+    }
+    if n + constraints.vectors().count() > sparse::FEW_UNKNOWNS
+        && lines.iter().take(2).any(|line| is_clearly_regular(motion, constraints, line, n))
+    {
+        return None;
     }
     let matrix = |line: &Line| {
         let mass = motion.mass_matrix(n, |velocity, symbol| line.rounded(velocity, symbol));

@@ -1,6 +1,6 @@
 //! The rows of the constraints as linear equations of the velocities: their degree, and which of them say something.
 
-use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value};
+use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value, sparse};
 
 use crate::model::check::degree::{Line, Problem, seems_beyond};
 use crate::model::check::velocity;
@@ -10,6 +10,8 @@ use crate::numeric::echelon::Echelon;
 /// `A q̇ + b = 0`, the rows of all constraints.
 pub(in crate::model) struct VelocityEquations {
     rows: Tape,
+    /// The coordinates that each row depends on, or whose rates it does, and the row by itself.
+    each: Vec<(Vec<usize>, Tape)>,
     kinds: Vec<ConstraintKind>,
     /// Of each row the number of its constraint, and its own number there.
     owners: Vec<(usize, usize)>,
@@ -27,30 +29,27 @@ impl VelocityEquations {
         let rows: Vec<Expr<'_>> = all().map(|(i, k)| lagrangian.constraints[i].rows[k]).collect();
         VelocityEquations {
             rows: Tape::new(&rows),
+            each: rows.iter().map(|row| Tape::new(&[*row])).map(|tape| (tape.coordinates(), tape)).collect(),
             kinds: all().map(|(i, _)| lagrangian.constraints[i].kind).collect(),
             owners: all().collect(),
             vectors: lagrangian.constraint_vectors(),
         }
     }
 
-    /// `A q̇ + b`
-    fn rates<V: Value>(&self, at: impl Fn(Symbol) -> Dual<V>) -> Vec<V> {
-        let rate = |(row, kind): (Dual<V>, &ConstraintKind)| match kind {
-            ConstraintKind::Holonomic => row.derivative,
-            ConstraintKind::Pfaffian => row.value,
-        };
-        self.rows.run(at).into_iter().zip(&self.kinds).map(rate).collect()
-    }
-
     /// A, row by row.
     fn jacobian<V: Value>(&self, n: usize, at: impl Fn(&dyn Fn(u32) -> V, Symbol) -> Dual<V>) -> Vec<Vec<V>> {
-        let rates = |moving: Option<usize>| {
-            let velocity = |i: u32| V::constant(f64::from(u8::from(moving == Some(i as usize))));
-            self.rates(|symbol| at(&velocity, symbol))
+        let row = |((coordinates, tape), kind): (&(Vec<usize>, Tape), &ConstraintKind)| {
+            let rate = |moving: Option<usize>| {
+                let velocity = |i: u32| V::constant(f64::from(u8::from(moving == Some(i as usize))));
+                let rate = tape.run(|symbol| at(&velocity, symbol))[0];
+                if *kind == ConstraintKind::Holonomic { rate.derivative } else { rate.value }
+            };
+            let rest = rate(None);
+            let mut row = vec![rest.sub(rest); n];
+            coordinates.iter().for_each(|&i| row[i] = rate(Some(i)).sub(rest));
+            row
         };
-        let rest = rates(None);
-        let columns: Vec<Vec<V>> = (0..if rest.is_empty() { 0 } else { n }).map(|i| rates(Some(i))).collect();
-        (0..rest.len()).map(|row| columns.iter().map(|column| column[row].sub(rest[row])).collect()).collect()
+        self.each.iter().zip(&self.kinds).map(row).collect()
     }
 
     /// Which rows are of one vector.
@@ -108,6 +107,12 @@ impl VelocityEquations {
     /// already taken nothing is said: off the constraints a closed loop may leave no motion, and have one where it is
     /// closed.
     fn dependent_rows(&self, lines: &[Line], n: usize) -> Vec<usize> {
+        if n + self.owners.len() > sparse::FEW_UNKNOWNS {
+            let unit: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| f64::from(u8::from(i == j)))).collect();
+            if lines.iter().take(2).any(|line| sparse::is_regular(n, &unit, &self.pfaffian(line, n).concat())) {
+                return Vec::new();
+            }
+        }
         let matrices: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| self.pfaffian(line, n)).collect();
         let finite: Vec<_> = matrices.into_iter().filter(|rows| rows.iter().flatten().all(|x| x.is_finite())).collect();
         let shares: Vec<Vec<f64>> = finite.iter().map(|rows| shares_of_their_own(rows, n)).collect();
@@ -186,11 +191,10 @@ fn has_multiple_zero(row: Expr<'_>, lines: &[Line]) -> bool {
 fn converges_linearly(tape: &Tape, line: &Line) -> Option<bool> {
     const STEPS: usize = 60;
     const NEAR: f64 = 1e-6;
-    let n = line.state.q.len();
     let mut q = line.state.q.clone();
     let mut residuals: Vec<f64> = Vec::new();
     for _ in 0..STEPS {
-        let (value, gradient) = value_and_gradient(tape, line, &q, n);
+        let (value, gradient) = value_and_gradient(tape, line, &q);
         let square: f64 = gradient.iter().map(|slope| slope * slope).sum();
         if !value.is_finite() || !square.is_finite() {
             return None;
@@ -213,14 +217,16 @@ fn converges_linearly(tape: &Tape, line: &Line) -> Option<bool> {
 }
 
 /// Of a holonomic row: the velocities are directions.
-fn value_and_gradient(tape: &Tape, line: &Line, q: &[f64], n: usize) -> (f64, Vec<f64>) {
+fn value_and_gradient(tape: &Tape, line: &Line, q: &[f64]) -> (f64, Vec<f64>) {
     let along = |direction: Option<usize>| {
         tape.run(|symbol| match symbol {
             Symbol::Coordinate(i) => Dual::new(q[i as usize], f64::from(u8::from(direction == Some(i as usize)))),
             other => Dual::fixed(line.with_velocity(&|_| 0.0, other).value),
         })[0]
     };
-    (along(None).value, (0..n).map(|i| along(Some(i)).derivative).collect())
+    let mut gradient = vec![0.0; q.len()];
+    tape.coordinates().into_iter().for_each(|i| gradient[i] = along(Some(i)).derivative);
+    (along(None).value, gradient)
 }
 
 #[cfg(test)]

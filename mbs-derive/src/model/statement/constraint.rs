@@ -330,6 +330,7 @@ fn never_zero(row: Expr<'_>, lagrangian: &Draft<'_>) -> Option<f64> {
     const STARTS: usize = 16;
     const STEPS: usize = 60;
     let tape = Tape::new(&[row]);
+    let coordinates = tape.coordinates();
     let parameters = default_parameters(lagrangian);
     let mut random = Random::new(0x0066_6561_7369_626c);
     let (mut nearest, mut farthest, mut met) = (f64::INFINITY, 0.0f64, 0);
@@ -341,7 +342,8 @@ fn never_zero(row: Expr<'_>, lagrangian: &Draft<'_>) -> Option<f64> {
                 tape.run(|symbol| Dual::new(value(symbol, &state, &parameters), along(symbol)))[0]
             };
             let row = tape.run(|symbol| value(symbol, &state, &parameters))[0];
-            let gradient: Vec<f64> = (0..state.q.len()).map(|i| derivative(i).derivative).collect();
+            let mut gradient = vec![0.0; state.q.len()];
+            coordinates.iter().for_each(|&i| gradient[i] = derivative(i).derivative);
             let square: f64 = gradient.iter().map(|slope| slope * slope).sum();
             if !row.is_finite() || !square.is_finite() {
                 break;

@@ -234,7 +234,7 @@ impl<'d, 'n> Sheet<'d, 'n> {
             }
             Ending::Solve { .. } | Ending::Motion | Ending::Slopes { .. } => {
                 let system = self.expectation.system(function, self.numbering);
-                let System { mass_matrix, jacobian: constraints, right_sides } = system;
+                let System { mass_matrix, jacobian: constraints, right_sides, .. } = system;
                 (masses, jacobian) = (self.slots(&mass_matrix), self.slots(&constraints));
                 right_sides.iter().map(|numbers| self.slots(numbers)).collect()
             }
