@@ -210,9 +210,9 @@ impl<'d> Equations<'d> {
             .collect()
     }
 
-    /// The rank of A where the motion starts, where the elimination of the mechanism tells it.
-    pub(crate) fn rank(&self, motion: &Motion) -> Option<usize> {
-        self.interpreter.rank(&self.state(self.start.t, &motion.q, &motion.qd))
+    /// The rank of A in this place at the start, where the elimination of the mechanism tells it.
+    pub(crate) fn rank(&self, q: &[f64]) -> Option<usize> {
+        self.least_change(self.start.t, q, &vec![0.0; self.rows()], &mut vec![0.0; q.len()])
     }
 
     /// How constraints bring states back.
@@ -257,9 +257,10 @@ impl Constraints<f64> for Equations<'_> {
         self.put_rows(FunctionKind::ConstraintJacobian, t, q, &self.start.qd, a);
     }
 
-    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> bool {
-        let found = self.at(t, q, &self.start.qd, |state| self.interpreter.least_change(state, target));
-        found.map(|found| change.copy_from_slice(&found)).is_some()
+    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> Option<usize> {
+        let (found, rank) = self.at(t, q, &self.start.qd, |state| self.interpreter.least_change(state, target))?;
+        change.copy_from_slice(&found);
+        Some(rank)
     }
 }
 

@@ -211,9 +211,10 @@ impl Constraints<f64> for Equations {
         self.put(FunctionKind::ConstraintJacobian, t, q, &vec![0.0; q.len()], a);
     }
 
-    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> bool {
-        let found = self.resting(t, q).and_then(|state| self.interpreter().least_change(&state, target));
-        found.map(|found| change.copy_from_slice(&found)).is_some()
+    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> Option<usize> {
+        let (found, rank) = self.interpreter().least_change(&self.resting(t, q)?, target)?;
+        change.copy_from_slice(&found);
+        Some(rank)
     }
 }
 

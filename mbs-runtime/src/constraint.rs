@@ -54,12 +54,12 @@ pub trait Constraints<T: Real> {
     /// Writes `A(q, t)`, `k × n`.
     fn jacobian(&self, t: T, q: &[T], a: &mut [T]);
 
-    /// Writes the δ of least `δᵀ M δ` with `A δ = target`, and returns whether it did. A mechanism with many rows may
-    /// find δ in less time than it takes to write M and A in full. It returns `false` where it finds none; the
-    /// [`Projector`] then finds δ from M and A, as it does with this default.
-    fn least_change(&self, t: T, q: &[T], target: &[T], change: &mut [T]) -> bool {
+    /// Writes the δ of least `δᵀ M δ` with `A δ = target`, and returns the rank of A. A mechanism with many rows may find
+    /// δ in less time than it takes to write M and A in full. Where it returns `None`, as this default does, a
+    /// [`Projector`] finds δ from M and A.
+    fn least_change(&self, t: T, q: &[T], target: &[T], change: &mut [T]) -> Option<usize> {
         let _ = (t, q, target, change);
-        false
+        None
     }
 }
 
@@ -295,8 +295,11 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         let k = constraints.rows();
         let mut work = Workspace::new(self.memory.as_mut(), q.len(), k);
         work.q.copy_from_slice(q);
-        work.linearize(constraints, T::from_f64(t), &|_| false, |_| true)?;
         work.residual.iter_mut().for_each(|x| *x = T::zero());
+        if work.changed_by(constraints, T::from_f64(t), &|_| false) == Some(k) {
+            return Ok(k);
+        }
+        work.linearize(constraints, T::from_f64(t), &|_| false, |_| true)?;
         work.least_change(RedundantRows::LeaveOut, |_| true)?;
         (0..k).filter(|&row| !work.is_done(row)).for_each(&mut redundant);
         Ok((0..k).filter(|&row| work.is_done(row)).count())
@@ -320,7 +323,7 @@ impl<T: Real> Workspace<'_, T> {
                 return Ok(());
             }
             let are_holonomic = (0..constraints.rows()).all(|row| constraints.is_holonomic(row));
-            let is_found = are_holonomic && self.is_changed_by(constraints, t, held);
+            let is_found = are_holonomic && self.changed_by(constraints, t, held).is_some();
             if !is_found {
                 self.linearize(constraints, t, held, |row| constraints.is_holonomic(row))?;
                 self.least_change(RedundantRows::LeaveOut, |row| constraints.is_holonomic(row))?;
@@ -355,14 +358,15 @@ impl<T: Real> Workspace<'_, T> {
         self.closed(constraints, t, T::zero())
     }
 
-    /// `change` ← δ as the mechanism itself finds it, where it does and no coordinate is held.
-    fn is_changed_by<C: Constraints<T>>(&mut self, constraints: &C, t: T, held: &impl Fn(usize) -> bool) -> bool {
+    /// `change` ← δ as the mechanism itself finds it, and the rank of A; `None` where it finds none, or a coordinate is held.
+    fn changed_by<C: Constraints<T>>(&mut self, constraints: &C, t: T, held: &impl Fn(usize) -> bool) -> Option<usize> {
         if (0..self.q.len()).any(held) {
-            return false;
+            return None;
         }
         let (residual, targets) = (self.residual.iter(), self.targets.iter_mut());
         targets.zip(residual).for_each(|(target, &residual)| *target = -residual);
-        constraints.least_change(t, self.q, self.targets, self.change) && self.change.iter().all(|x| x.is_finite())
+        let rank = constraints.least_change(t, self.q, self.targets, self.change);
+        rank.filter(|_| self.change.iter().all(|x| x.is_finite()))
     }
 
     /// Whether all rows are zero but for what a change of the coordinates by a small part of their `size` explains.
@@ -399,7 +403,8 @@ impl<T: Real> Workspace<'_, T> {
             if !self.residual.iter().all(|x| x.is_finite()) {
                 return Err(ConstraintError::NonFinite);
             }
-            if !self.is_changed_by(constraints, t, held) {
+            let least = if redundant_rows == RedundantRows::Refuse { constraints.rows() } else { 0 };
+            if self.changed_by(constraints, t, held).is_none_or(|rank| rank < least) {
                 self.linearize(constraints, t, held, |_| true)?;
                 self.least_change(redundant_rows, |_| true)?;
             }
@@ -410,7 +415,7 @@ impl<T: Real> Workspace<'_, T> {
         constraints.rate(t, self.q, self.qd, self.residual);
         let speed = self.qd.iter().fold(T::EPSILON.sqrt(), |speed, &qd| speed.maximum(qd.abs()));
         let is_small = |change: &T| change.abs() <= T::EPSILON.sqrt() * speed;
-        if self.is_changed_by(constraints, t, held) && self.change.iter().all(is_small) {
+        if self.changed_by(constraints, t, held).is_some() && self.change.iter().all(is_small) {
             return Ok(());
         }
         match self.unexplained(constraints, t, speed) {

@@ -13,10 +13,6 @@ use crate::words::plural;
 /// This many guesses of each size are brought onto the constraints.
 const GUESSES: usize = 6;
 
-/// Of more coordinates and rows than these a guess takes a second or more, and fewer have to do.
-const MANY_UNKNOWNS: usize = 500;
-const FEW_GUESSES: usize = 3;
-
 /// Mechanisms are as large as a machine, or as small as a watch; angles and plain numbers are of the order of 1.
 const SIZES: [f64; 3] = [1.0, 1e-2, 1e-4];
 
@@ -79,9 +75,7 @@ fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
     let mut projector = equations.projector(RedundantRows::LeaveOut);
     let is_plain = derivation.coordinates.iter().flat_map(|v| vec![matches!(v.unit.as_str(), "1" | "rad"); v.count()]);
     let is_plain: Vec<bool> = is_plain.collect();
-    let is_large = coordinates + derivation.constraints.len() > MANY_UNKNOWNS;
     let guesses = SIZES.iter().flat_map(|size| (0..GUESSES).map(move |guess| (size, guess)));
-    let guesses = guesses.take(if is_large { FEW_GUESSES } else { GUESSES * SIZES.len() });
     let ranks = guesses.filter_map(|(size, guess)| {
         let mut motion = equations.start();
         // Nothing special about them.
@@ -89,7 +83,7 @@ fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
             *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { *size };
         }
         projector.project(&equations, 0.0, &mut motion).ok()?;
-        equations.rank(&motion).or_else(|| projector.rank(&equations, 0.0, &motion.q, |_| ()).ok())
+        equations.rank(&motion.q).or_else(|| projector.rank(&equations, 0.0, &motion.q, |_| ()).ok())
     });
     Ok(ranks.min())
 }

@@ -269,7 +269,10 @@ pub(super) fn function(derivation: &Derivation, function: &Function, eliminates:
         lines.push(String::new());
         lines.extend(notes);
     }
-    lines.extend([String::new(), operations(function.operations)]);
+    // What is counted is the elimination, where there is one.
+    if is_eliminated || derivation.elimination.is_none() || !function.completion.solves() {
+        lines.extend([String::new(), operations(function.operations)]);
+    }
     lines
 }
 

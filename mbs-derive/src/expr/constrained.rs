@@ -6,7 +6,7 @@
 mod scaling;
 
 use super::evaluate::{Terms, Value};
-use super::sparse::{self, FEW_UNKNOWNS};
+use super::sparse;
 
 pub(crate) use scaling::Scales;
 pub(super) use scaling::power;
@@ -409,9 +409,7 @@ impl<V: Value> NullSpace<V> {
 /// number in `vectors` are of one vector.
 pub(crate) fn least_change(weights: &[f64], jacobian: &[f64], vectors: &[usize], target: &[f64]) -> Option<Vec<f64>> {
     let n = weights.len();
-    if n + vectors.len() > FEW_UNKNOWNS
-        && let Some(change) = sparse::least_change(weights, jacobian, target, None)
-    {
+    if let Some(change) = sparse::least_change(weights, jacobian, target, None) {
         return Some(change);
     }
     let triangle: Vec<f64> = (0..n).flat_map(|i| (0..=i).map(move |j| if i == j { weights[i] } else { 0.0 })).collect();

@@ -2,7 +2,7 @@
 //!
 //! Source: Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, section 3.3.
 
-mod sparse;
+mod definite;
 
 use std::iter::Sum;
 use std::ops::{Add, Mul, Neg, Sub};
@@ -12,8 +12,8 @@ use super::dual::slope;
 use super::evaluate::{Solution, Solutions, Terms, Value};
 use super::function::{Binary, Function};
 use super::number::Number;
-use super::sparse::{self as eliminated, Elimination};
-use sparse::Factors;
+use super::sparse::{self, Elimination};
+use definite::Factors;
 
 /// Of more unknowns an inverse is bounded, and not computed, where there are no constraints.
 const FEW: usize = 64;
@@ -157,7 +157,7 @@ impl Value for Rounded {
         let is_large = n + vectors.len() > FEW;
         if let Some((elimination, entries)) =
             is_large.then(|| Elimination::of_values(n, &mass, &jacobian, |x| x.is_exactly_zero())).flatten()
-            && let Some(factors) = eliminated::Factors::new(&elimination, &doubles(&entries))
+            && let Some(factors) = sparse::Factors::new(&elimination, &doubles(&entries))
         {
             let bounded = move |column: &Vec<Self>| bounded_by_pivots(&elimination, &entries, &factors, column);
             return Box::new(move |columns, _| columns.iter().map(&bounded).collect());
@@ -198,7 +198,7 @@ impl Value for Rounded {
         Self: 'a,
     {
         let values: Vec<f64> = entries.iter().map(|entry| entry.value).collect();
-        let factors = eliminated::Factors::new(elimination, &values);
+        let factors = sparse::Factors::new(elimination, &values);
         Box::new(move |column| match &factors {
             Some(factors) => bounded_by_pivots(elimination, &entries, factors, column),
             None => vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()],
@@ -213,7 +213,7 @@ impl Value for Rounded {
 fn bounded_by_pivots(
     elimination: &Elimination,
     entries: &[Rounded],
-    factors: &eliminated::Factors<f64>,
+    factors: &sparse::Factors<f64>,
     column: &[Rounded],
 ) -> Vec<Rounded> {
     let b: Vec<f64> = column.iter().map(|number| number.value).collect();

@@ -342,6 +342,19 @@ impl<V: Value> Factors<V> {
         (rest, all)
     }
 
+    /// How many rows depend on others, as far as pivots show.
+    pub(crate) fn dependent_rows(&self, elimination: &Elimination) -> usize {
+        // A ten-thousandth of its length is left of such a row at most.
+        const LEAST: f64 = 1e-8;
+        let steps = elimination.order.iter().zip(self.reciprocals.iter().zip(&self.weights));
+        let rows = steps.filter(|(unknown, _)| **unknown >= elimination.coordinates);
+        let is_dependent = |(reciprocal, &weight): (&V, &V)| {
+            let (pivot, least) = (V::constant(-1.0).div(*reciprocal), V::constant(LEAST).mul(weight.mul(weight)));
+            weight.less_equal(V::constant(0.0)) || pivot.less_equal(least)
+        };
+        rows.filter(|(_, row)| is_dependent(*row)).count()
+    }
+
     /// Bounds on `|K⁻¹| b` for `b ≥ 0`: since `|L⁻¹|` is at most the inverse of the factor whose entries below the
     /// diagonal are `−|Lᵢⱼ|`.
     ///
@@ -381,21 +394,9 @@ fn in_order<V: Value>(elimination: &Elimination, x: &[V]) -> Vec<V> {
     solution
 }
 
-/// How many rows depend on others, as far as pivots show; `None` where there are no pivots.
-pub(crate) fn dependent_rows<V: Value>(elimination: &Elimination, entries: &[V]) -> Option<usize> {
-    // A ten-thousandth of its length is left of such a row at most.
-    const LEAST: f64 = 1e-8;
-    let factors = Factors::new(elimination, entries)?;
-    let rows = (0..elimination.order.len()).filter(|&step| elimination.order[step] >= elimination.coordinates);
-    let is_dependent = |step: &usize| {
-        let (pivot, weight) = (V::constant(1.0).div(factors.reciprocals[*step]).neg(), factors.weights[*step]);
-        weight.less_equal(V::constant(0.0)) || pivot.less_equal(V::constant(LEAST).mul(weight.mul(weight)))
-    };
-    Some(rows.filter(is_dependent).count())
-}
-
 /// The least x with `A x = target`, measured by `Σ wᵢ xᵢ²`, or one that comes near to it where rows do not agree;
-/// `None` where most of A is not zero. An elimination of a system with these rows may be known.
+/// `None` where there are few unknowns or most of A is not zero. An elimination of a system with these rows may be
+/// known.
 pub(crate) fn least_change(
     weights: &[f64],
     jacobian: &[f64],
@@ -406,6 +407,7 @@ pub(crate) fn least_change(
     let found;
     let elimination = match known {
         Some(known) => known,
+        None if n + k <= FEW_UNKNOWNS => return None,
         None => {
             let rows =
                 (0..k).flat_map(|row| (0..n).map(move |i| [row, i])).filter(|&[row, i]| jacobian[row * n + i] != 0.0);
@@ -425,11 +427,14 @@ pub(crate) fn least_change(
     x.iter().all(|x| x.is_finite()).then_some(x)
 }
 
-/// Whether M, by its lower triangle, and A, row by row, are eliminated with pivots none of which is a small part of its
-/// terms. Then M is positive definite, and no row depends on others; where the answer is no, nothing is decided.
+/// Whether M, by its lower triangle, and A, row by row, have many unknowns and are eliminated with pivots none of which
+/// is a small part of its terms. Then M is positive definite, and no row depends on others; where the answer is no, nothing is decided.
 pub(crate) fn is_regular(n: usize, mass: &[f64], jacobian: &[f64]) -> bool {
     // So that what rounding has made of one pivot cannot be mistaken for another.
     const SMALL: f64 = 1e-5;
+    if n + jacobian.len() / n.max(1) <= FEW_UNKNOWNS {
+        return false;
+    }
     let Some((elimination, values)) = Elimination::of_values(n, mass, jacobian, |&x| x == 0.0) else { return false };
     let [pivots, lower] = placed(&elimination, &values);
     let is_sound = |step: usize, pivot: f64, terms: f64| match elimination.order[step] < n {
@@ -449,7 +454,7 @@ mod tests {
     use crate::expr::{Dual, Rounded, evaluate::Terms};
 
     /// Links: masses in a row, coupled with their neighbours, and a row between each two but the first.
-    const LINKS: usize = 40;
+    const LINKS: usize = 60;
 
     fn system<V: Value>(vary: impl Fn(usize, f64) -> V) -> (Elimination, Vec<V>) {
         let (n, mut places, mut entries) = (LINKS, Vec::new(), Vec::new());
@@ -487,7 +492,7 @@ mod tests {
         let (again, values) = Elimination::of_values(LINKS, &mass, &jacobian, |&x| x == 0.0).unwrap();
         let same = f64::eliminated(&again, values)(&right_side());
         assert!(same.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-12), "{same:?} {expected:?}");
-        assert_eq!(dependent_rows(&elimination, &entries), Some(0));
+        assert_eq!(Factors::new(&elimination, &entries).unwrap().dependent_rows(&elimination), 0);
         assert!(is_regular(LINKS, &mass, &jacobian));
     }
 
@@ -527,7 +532,7 @@ mod tests {
             let (elimination, entries) = system(vary);
             let mut b = right_side();
             b[LINKS + 4] = target;
-            let dependent = dependent_rows(&elimination, &entries);
+            let dependent = Factors::new(&elimination, &entries).map(|factors| factors.dependent_rows(&elimination));
             (f64::eliminated(&elimination, entries)(&b), dependent)
         };
         // A row of zeros may ask for nothing but zero.
@@ -551,7 +556,7 @@ mod tests {
     /// The third row follows from the other two, which are nearly parallel: their pivots make rounding large.
     #[test]
     fn what_rounding_leaves_of_a_row_is_no_row() {
-        let n = 70;
+        let n = 120;
         let mut jacobian = vec![0.0; 3 * n];
         for (row, factor) in [1.0, 1.0 + 1e-4, 3.0].into_iter().enumerate() {
             (jacobian[row * n], jacobian[row * n + 1], jacobian[row * n + 2]) = (1.0, factor, 1.0);
@@ -564,7 +569,7 @@ mod tests {
     /// Twice the same row, and one of zeros.
     #[test]
     fn rows_that_depend_on_others_change_what_they_may() {
-        let n = 80;
+        let n = 120;
         let mut jacobian = vec![0.0; 3 * n];
         (jacobian[3], jacobian[4], jacobian[n + 3], jacobian[n + 4]) = (1.0, 2.0, 2.0, 4.0);
         let weights: Vec<f64> = (0..n).map(|i| if i == 3 { 4.0 } else { 1.0 }).collect();
@@ -576,7 +581,7 @@ mod tests {
         }
         let apart = least_change(&weights, &jacobian, &[3.0, 5.0, 1.0], None).unwrap();
         assert!(
-            apart.iter().all(|x| x.is_finite()) && (apart[3] + 2.0 * apart[4] - 2.6).abs() < 0.2,
+            apart.iter().all(|x| x.is_finite()) && (apart[3] + 2.0 * apart[4] - 2.75).abs() < 1e-2,
             "{:?}",
             &apart[3..5]
         );

@@ -1,12 +1,12 @@
 //! Mechanisms whose system is eliminated in a known order: its matrices, the rank of A, and least changes.
 
-use crate::expr::{Elimination, Value, largest, sparse};
+use crate::expr::{Value, sparse};
 use crate::optimise::{FunctionKind, ResultPart, Shape};
 use crate::state::State;
 
 use super::{Interpreter, System, expand_symmetric};
 
-impl<'d, V: Value> Interpreter<'d, V> {
+impl<V: Value> Interpreter<'_, V> {
     /// M or A of what forward dynamics sets up.
     pub(super) fn matrix_of_motion(&self, kind: FunctionKind, state: &State<V>) -> Option<Vec<V>> {
         let is_matrix = matches!(kind, FunctionKind::MassMatrix | FunctionKind::ConstraintJacobian);
@@ -18,29 +18,17 @@ impl<'d, V: Value> Interpreter<'d, V> {
         Some(if kind == FunctionKind::MassMatrix { expand_symmetric(&symmetric, mass) } else { jacobian })
     }
 
-    /// The rank of A at a state, of a mechanism that is eliminated in a known order; `None` of others.
-    pub fn rank(&self, state: &State<V>) -> Option<usize> {
-        let (elimination, entries) = self.entries(state)?;
-        Some(self.derivation.constraints.len() - sparse::dependent_rows(elimination, &entries)?)
-    }
-
-    /// The entries of M and A, of a mechanism that is eliminated in a known order.
-    fn entries(&self, state: &State<V>) -> Option<(&'d Elimination, Vec<V>)> {
+    /// The δ of least `δᵀ M δ` with `A δ = target` at a state, and the rank of A, of a mechanism that is eliminated in a
+    /// known order; `None` of others, and where there is no δ.
+    pub fn least_change(&self, state: &State<V>, target: &[V]) -> Option<(Vec<V>, usize)> {
         let elimination = self.derivation.elimination.as_ref()?;
         let function = self.derivation.function(FunctionKind::ForwardDynamics)?;
-        let mut entries = self.run(&function.program, state, &[]);
-        entries.truncate(elimination.entries.len());
-        Some((elimination, entries))
-    }
-
-    /// The δ of least `δᵀ M δ` with `A δ = target` at a state, of a mechanism that is eliminated in a known order;
-    /// `None` of others, and where there is none.
-    pub fn least_change(&self, state: &State<V>, target: &[V]) -> Option<Vec<V>> {
-        let (elimination, entries) = self.entries(state)?;
+        let entries = self.run(&function.program, state, &[]);
+        let factors = sparse::Factors::new(elimination, &entries[..elimination.entries.len()])?;
         let mut column = vec![V::constant(0.0); elimination.coordinates];
         column.extend(target);
-        let mut change = V::eliminated(elimination, entries)(&column);
+        let mut change = factors.solution(elimination, &column)?;
         change.truncate(elimination.coordinates);
-        change.iter().all(|&x| largest([x]).less(V::constant(f64::INFINITY))).then_some(change)
+        Some((change, self.derivation.constraints.len() - factors.dependent_rows(elimination)))
     }
 }

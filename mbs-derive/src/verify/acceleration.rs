@@ -141,7 +141,7 @@ impl Trial<'_> {
             return Ok(self.is_constrained() || !at());
         }
         if self.derivation.elimination.is_some() {
-            // It asks for more than a solution: for pivots that carry it.
+            // There M itself may be singular, which elimination does not take.
             return Ok(false);
         }
         let finite = |kind| self.call(kind).iter().all(|v| v.value.is_finite() && v.error.is_finite());

@@ -40,6 +40,70 @@ impl Constraints<f64> for Rod {
     }
 }
 
+/// The rod, which finds least changes itself, and counts how often.
+struct Finder {
+    rod: Rod,
+    found: core::cell::Cell<usize>,
+}
+
+impl Constraints<f64> for Finder {
+    fn rows(&self) -> usize {
+        self.rod.rows()
+    }
+    fn is_holonomic(&self, row: usize) -> bool {
+        self.rod.is_holonomic(row)
+    }
+    fn mass_matrix(&self, t: f64, q: &[f64], m: &mut [f64]) {
+        self.rod.mass_matrix(t, q, m);
+    }
+    fn position(&self, t: f64, q: &[f64], phi: &mut [f64]) {
+        self.rod.position(t, q, phi);
+    }
+    fn rate(&self, t: f64, q: &[f64], qd: &[f64], rate: &mut [f64]) {
+        self.rod.rate(t, q, qd, rate);
+    }
+    fn jacobian(&self, t: f64, q: &[f64], a: &mut [f64]) {
+        self.rod.jacobian(t, q, a);
+    }
+    fn least_change(&self, t: f64, q: &[f64], target: &[f64], change: &mut [f64]) -> Option<usize> {
+        let (mut m, mut a) = ([[0.0; 4]; 4], [[0.0; 4]; 2]);
+        self.mass_matrix(t, q, m.as_flattened_mut());
+        Rod { twice: false, misfit: 0.0 }.jacobian(t, q, a.as_flattened_mut());
+        let (found, _) = crate::constrained_solve(m, a, [0.0; 4], [target[0], target[1]]);
+        change.copy_from_slice(&found);
+        self.found.set(self.found.get() + 1);
+        Some(2)
+    }
+}
+
+#[test]
+fn a_mechanism_may_find_least_changes_itself() {
+    for twice in [false, true] {
+        let finder = Finder { rod: Rod { twice, misfit: 0.0 }, found: core::cell::Cell::new(0) };
+        let project = |finds: bool, redundant_rows| {
+            let (mut state, mut projector) = (GUESS, Projector::new([0.0; MEMORY]));
+            projector.redundant_rows = redundant_rows;
+            let end = match finds {
+                true => projector.project(&finder, 0.5, &mut state),
+                false => projector.project(&finder.rod, 0.5, &mut state),
+            };
+            end.map(|()| state)
+        };
+        let [found, expected] = [true, false].map(|finds| project(finds, RedundantRows::LeaveOut).unwrap());
+        let all = |state: State<[f64; 4]>| state.q.into_iter().chain(state.qd);
+        for (found, expected) in all(found.clone()).zip(all(expected)) {
+            assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+        }
+        assert!(finder.found.get() > 3);
+        // Rows that depend on others are refused, whoever finds the change.
+        let refused = [true, false].map(|finds| project(finds, RedundantRows::Refuse).is_err());
+        assert_eq!(refused, [twice; 2]);
+        let mut named = 0;
+        let rank = Projector::new([0.0; MEMORY]).rank(&finder, 0.5, &found.q, |_| named += 1);
+        assert_eq!((rank, named), (Ok(2), usize::from(twice)));
+    }
+}
+
 /// A point that stays on the x axis, however fast along it.
 struct Rail;
 

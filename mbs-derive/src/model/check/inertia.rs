@@ -111,9 +111,8 @@ pub(in crate::model) fn problem(
     if n > MANY && constraints.vectors().next().is_none() {
         return problem_of_many(motion, lines);
     }
-    if n + constraints.vectors().count() > sparse::FEW_UNKNOWNS
-        && lines.iter().take(2).any(|line| is_clearly_regular(motion, constraints, line, n))
-    {
+    let is_large = n + constraints.vectors().count() > sparse::FEW_UNKNOWNS;
+    if is_large && lines.iter().take(2).any(|line| is_clearly_regular(motion, constraints, line, n)) {
         return None;
     }
     let matrix = |line: &Line| {
