@@ -91,7 +91,7 @@ fn a_mechanism_may_find_least_changes_itself() {
         };
         let [found, expected] = [true, false].map(|finds| project(finds, RedundantRows::LeaveOut).unwrap());
         let all = |state: State<[f64; 4]>| state.q.into_iter().chain(state.qd);
-        for (found, expected) in all(found.clone()).zip(all(expected)) {
+        for (found, expected) in all(found).zip(all(expected)) {
             assert!((found - expected).abs() < 1e-14, "{found} {expected}");
         }
         assert!(finder.found.get() > 3);
