@@ -246,8 +246,8 @@ impl Mechanism {
     }
 }
 
-/// Of more coordinates than these nothing but the dynamics is derived of a chain, and where M and A couple little, unless
-/// functions are asked for.
+/// Of more coordinates than these nothing but the dynamics is derived of a chain, and where M and A couple little,
+/// unless functions are asked for.
 const MANY_COORDINATES: usize = 100;
 
 /// What is not derived of a mechanism: where nothing is asked for, and there are many coordinates, all whose length

@@ -54,8 +54,8 @@ pub trait Constraints<T: Real> {
     /// Writes `A(q, t)`, `k × n`.
     fn jacobian(&self, t: T, q: &[T], a: &mut [T]);
 
-    /// Writes the δ of least `δᵀ M δ` with `A δ = target`, and returns the rank of A. A mechanism with many rows may find
-    /// δ in less time than it takes to write M and A in full. Where it returns `None`, as this default does, a
+    /// Writes the δ of least `δᵀ M δ` with `A δ = target`, and returns the rank of A. A mechanism with many rows may
+    /// find δ in less time than it takes to write M and A in full. Where it returns `None`, as this default does, a
     /// [`Projector`] finds δ from M and A.
     fn least_change(&self, t: T, q: &[T], target: &[T], change: &mut [T]) -> Option<usize> {
         let _ = (t, q, target, change);
@@ -358,7 +358,8 @@ impl<T: Real> Workspace<'_, T> {
         self.closed(constraints, t, T::zero())
     }
 
-    /// `change` ← δ as the mechanism itself finds it, and the rank of A; `None` where it finds none, or a coordinate is held.
+    /// `change` ← δ as the mechanism itself finds it, and the rank of A; `None` where it finds none, or a coordinate is
+    /// held.
     fn changed_by<C: Constraints<T>>(&mut self, constraints: &C, t: T, held: &impl Fn(usize) -> bool) -> Option<usize> {
         if (0..self.q.len()).any(held) {
             return None;

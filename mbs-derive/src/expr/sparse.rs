@@ -428,7 +428,8 @@ pub(crate) fn least_change(
 }
 
 /// Whether M, by its lower triangle, and A, row by row, have many unknowns and are eliminated with pivots none of which
-/// is a small part of its terms. Then M is positive definite, and no row depends on others; where the answer is no, nothing is decided.
+/// is a small part of its terms. Then M is positive definite, and no row depends on others; where the answer is no,
+/// nothing is decided.
 pub(crate) fn is_regular(n: usize, mass: &[f64], jacobian: &[f64]) -> bool {
     // So that what rounding has made of one pivot cannot be mistaken for another.
     const SMALL: f64 = 1e-5;
@@ -519,7 +520,7 @@ mod tests {
         let in_full = Rounded::constrained_columns(LINKS, mass, jacobian, &vectors)(&[column], &none).remove(0);
         for ((bounded, in_full), moved) in bounded.iter().zip(in_full).zip(at(1e-8)) {
             let off = (bounded.value - moved).abs();
-            assert!(off <= bounded.error && bounded.error < 1e-6, "{bounded:?} {moved}");
+            assert!(off <= bounded.error && bounded.error < 2e-6, "{bounded:?} {moved}");
             assert!((bounded.value - in_full.value).abs() < 1e-12, "{bounded:?} {in_full:?}");
         }
         assert!(at(1e-8).iter().zip(at(0.0)).any(|(a, b)| (a - b).abs() > 1e-10));

@@ -18,8 +18,8 @@ impl<V: Value> Interpreter<'_, V> {
         Some(if kind == FunctionKind::MassMatrix { expand_symmetric(&symmetric, mass) } else { jacobian })
     }
 
-    /// The δ of least `δᵀ M δ` with `A δ = target` at a state, and the rank of A, of a mechanism that is eliminated in a
-    /// known order; `None` of others, and where there is no δ.
+    /// The δ of least `δᵀ M δ` with `A δ = target` at a state, and the rank of A, of a mechanism that is eliminated in
+    /// a known order; `None` of others, and where there is no δ.
     pub fn least_change(&self, state: &State<V>, target: &[V]) -> Option<(Vec<V>, usize)> {
         let elimination = self.derivation.elimination.as_ref()?;
         let function = self.derivation.function(FunctionKind::ForwardDynamics)?;
