@@ -296,10 +296,14 @@ const SUM: u64 = 1 << 32;
 const PRODUCT: u64 = 2 << 32;
 const CALL: u64 = 3 << 32;
 
-/// Of integers; their product where they are too large.
+/// Of integers; their product where they are too large to be told from their neighbours, and never infinite.
 fn common_multiple(a: f64, b: f64) -> f64 {
+    const EXACT: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
     if a == b || a == 1.0 || b == 1.0 {
         return a.max(b);
+    }
+    if a.max(b) > EXACT {
+        return (a * b).min(f64::MAX);
     }
     let (mut greater, mut rest) = (a, b);
     while rest != 0.0 {
@@ -562,6 +566,17 @@ mod tests {
         // A product of symbols is a term, a root is one too: 2.
         assert_eq!(x.mul(y).call(Function::Cos).total(), 2.0);
         assert_eq!(x.add(y).power(1).mul(number(1, 7)).call(Function::Cos).total(), 2.0);
+    }
+
+    #[test]
+    fn multiples_of_many_denominators_are_finite() {
+        assert_eq!((1..=10).map(f64::from).fold(1.0, common_multiple), 2520.0);
+        let all = (1..2000).map(f64::from).fold(1.0, common_multiple);
+        assert!(all > 1e300 && all.is_finite());
+        let (x, n) = (Degree::symbol(1), Prime::<2>::N as f64);
+        let sines = (1..2000).map(|i| x.div(number(i, 1)).call(Function::Sin)).fold(number(1, 1), Degree::add);
+        assert!(sines.chance(0) > 1e300 / n, "{sines:?}");
+        assert_eq!(x.mul(number(0, 1)).add(number(3, 1)).chance(0), 0.0);
     }
 
     /// `[2, x; x, y] (a, b) = (1, z)`: rows of degree one each.
