@@ -144,7 +144,8 @@ pub use constraint::{Constraints, Projector, RedundantRows};
 pub use dual::Dual;
 pub use dynamics::{
     Elimination, Ldlt, constrained_slopes, constrained_solve, constrained_solve_many, constrained_solve_vectors,
-    ldlt_solve, ldlt_solve_many, sparse_slopes, sparse_solve, state_sizes, try_constrained_solve, try_ldlt_solve,
+    ldlt_solve, ldlt_solve_many, sparse_least_change, sparse_slopes, sparse_solve, state_sizes, try_constrained_solve,
+    try_ldlt_solve,
 };
 pub use error::{ConstraintError, DimensionMismatch, IntegrationError, ReductionError, SingularMassMatrix};
 pub use event::{Direction, Event, Response};

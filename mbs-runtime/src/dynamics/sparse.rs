@@ -31,7 +31,7 @@
 //! SIAM Journal on Matrix Analysis and Applications 17, 1996; R. T. Rockafellar, *Augmented Lagrangians and
 //! applications of the proximal point algorithm in convex programming*, Mathematics of Operations Research 1, 1976.
 
-use crate::scalar::{Mask, Scalar};
+use crate::scalar::{Mask, Real, Scalar};
 
 /// The share of what its multiplier moves by which a row may be off, in roundings.
 const SHARE: f64 = 1e3;
@@ -51,6 +51,10 @@ const LOOSEST: f64 = 1e-3;
 /// How often what is left is solved for at most.
 const ROUNDS: usize = 25;
 
+/// What is left of a row that depends on others, as a share of what its multiplier moves: of its length a
+/// ten-thousandth.
+const DEPENDENT: f64 = 1e-8;
+
 /// In which order the unknowns of a symmetric system are eliminated, and where its entries are, as the generator has
 /// found it: of `U` unknowns, accelerations and behind them multipliers, `E` entries that are not zero, and `L` below
 /// the diagonal of the factor.
@@ -68,6 +72,41 @@ pub struct Elimination<const U: usize, const E: usize, const L: usize> {
     /// Where each entry of the system stands: on the diagonal the number of its step, below it `U` and its place in
     /// `rows`.
     pub places: &'static [u32; E],
+}
+
+impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
+    /// Writes M in full, row by row: `m` has `N²` numbers of it. What is written of A is nothing.
+    pub fn write_mass_matrix<T: Scalar>(&self, entries: &[T; E], m: &mut [T]) {
+        let n = m.len().isqrt();
+        m.fill(T::zero());
+        for ([i, j], entry) in self.unknowns().zip(entries) {
+            if i < n {
+                (m[i * n + j], m[j * n + i]) = (*entry, *entry);
+            }
+        }
+    }
+
+    /// Writes A in full, row by row, of as many coordinates: `a` has a number of it for each row and coordinate.
+    pub fn write_jacobian<T: Scalar>(&self, entries: &[T; E], coordinates: usize, a: &mut [T]) {
+        a.fill(T::zero());
+        for ([i, j], entry) in self.unknowns().zip(entries) {
+            if i >= coordinates {
+                a[(i - coordinates) * coordinates + j] = *entry;
+            }
+        }
+    }
+
+    /// The unknowns that each entry couples, the first not before the second.
+    fn unknowns(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        self.places.iter().map(|&place| {
+            let [row, column] = match (place as usize).checked_sub(U) {
+                None => [place as usize; 2],
+                Some(of_rows) => [self.rows[of_rows].into(), self.ends.partition_point(|&end| end as usize <= of_rows)],
+            };
+            let [a, b] = [row, column].map(|step| usize::from(self.order[step]));
+            [a.max(b), a.min(b)]
+        })
+    }
 }
 
 /// Accelerations and multipliers of a mechanism with many constraints, most of which are not coupled:
@@ -129,6 +168,38 @@ pub fn sparse_slopes<
         slopes.iter_mut().zip(accelerations).for_each(|(row, slope)| row[column] = slope);
     }
     slopes
+}
+
+/// The δ of least `δᵀ M δ` with `A δ = target`, and the rank of A, as [`Constraints::least_change`] gives them; `None`
+/// where [`sparse_solve`] is NaN.
+///
+/// The arguments are those of [`sparse_solve`]. A row depends on others where they leave less than a ten-thousandth of
+/// its length in the metric of M.
+///
+/// ```
+/// use mbs_runtime::{Elimination, sparse_least_change};
+/// // Two beads of masses 1 and 2 on a line, to be brought apart by 3.
+/// let elimination = Elimination { order: &[0, 1, 2], ends: &[1, 2, 2], rows: &[2, 2], places: &[0, 1, 3, 4] };
+/// let (change, rank) = sparse_least_change(&elimination, [1.0, 2.0, -1.0, 1.0], [3.0]).unwrap();
+/// assert_eq!((change, rank), ([-2.0, 1.0], 1));
+/// ```
+///
+/// [`Constraints::least_change`]: crate::Constraints::least_change
+#[must_use]
+pub fn sparse_least_change<T: Real, const N: usize, const K: usize, const U: usize, const E: usize, const L: usize>(
+    elimination: &Elimination<U, E, L>,
+    entries: [T; E],
+    target: [T; K],
+) -> Option<([T; N], usize)> {
+    let factors = Factors::new(elimination, N, &entries);
+    let (change, _) = factors.solve(elimination, &[T::zero(); N], &target);
+    let least = T::from_f64(DEPENDENT.max(2.0 * SHARE * T::ROUNDING));
+    let is_dependent = |&(_, (&reciprocal, &weight)): &(&u16, (&T, &T))| {
+        !(T::zero() < weight) || -T::one() / reciprocal <= least * (weight * weight)
+    };
+    let steps = elimination.order.iter().zip(factors.reciprocals.iter().zip(&factors.weights));
+    let dependent = steps.filter(|(unknown, _)| usize::from(**unknown) >= N).filter(is_dependent).count();
+    change.iter().all(|x| x.is_finite()).then_some((change, K - dependent))
 }
 
 /// `K = L D Lᵀ`, each row off by a share of its multiplier.
@@ -331,6 +402,34 @@ mod tests {
         }
         let slopes = sparse_slopes(&ELIMINATION, ENTRIES, force.map(|f| [0.0, f]), target.map(|c| [0.0, c]));
         assert_eq!(slopes, q.map(|q| [0.0, q]));
+    }
+
+    #[test]
+    fn matrices_are_written_in_full_and_changes_are_the_least() {
+        let (m, a) = full(ENTRIES);
+        let (mut written, mut rows) = ([f64::NAN; 9], [f64::NAN; 6]);
+        ELIMINATION.write_mass_matrix(&ENTRIES, &mut written);
+        ELIMINATION.write_jacobian(&ENTRIES, 3, &mut rows);
+        let lower = |i: usize, j: usize| m[i.max(j)][i.min(j)];
+        assert!((0..9).all(|k| written[k].to_bits() == lower(k / 3, k % 3).to_bits()), "{written:?}");
+        assert_eq!(rows, *a.as_flattened());
+        let (change, rank): ([f64; 3], _) = sparse_least_change(&ELIMINATION, ENTRIES, [0.3, -0.7]).unwrap();
+        let (expected, _) = constrained_solve(m, a, [0.0; 3], [0.3, -0.7]);
+        assert!(change.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{change:?} {expected:?}");
+        assert_eq!(rank, 2);
+        // Twice the same row; then one that asks for something else, and a row of zeros.
+        let with = |a: [f64; 4]| [2.0, 0.5, 3.0, -0.25, 4.0, a[0], a[1], a[2], a[3]];
+        let found = |a: [f64; 4], target| sparse_least_change::<f64, 3, 2, 5, 9, 7>(&ELIMINATION, with(a), target);
+        assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.1]).map(|(_, rank)| rank), Some(1));
+        assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.3]), None);
+        assert_eq!(found([0.0, 0.0, 0.75, 2.0], [0.0, 0.1]).map(|(_, rank)| rank), Some(1));
+        // In single precision as well.
+        let single = with([0.0, 1.5, 0.75, 0.0]).map(|x| x as f32);
+        let (_, rank) = sparse_least_change::<f32, 3, 2, 5, 9, 7>(&ELIMINATION, single, [0.2, 0.1]).unwrap();
+        assert_eq!(rank, 1);
+        let (_, rank) =
+            sparse_least_change::<f32, 3, 2, 5, 9, 7>(&ELIMINATION, ENTRIES.map(|x| x as f32), [0.2, 0.1]).unwrap();
+        assert_eq!(rank, 2);
     }
 
     #[test]
