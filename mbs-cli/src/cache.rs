@@ -57,30 +57,31 @@ impl Cache {
     }
 
     /// Where a value is kept, or would be.
-    pub(crate) fn path(&self, key: Digest) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join(file_name(key)))
+    pub(crate) fn path(&self, key: impl FnOnce() -> Digest) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(file_name(key())))
     }
 
-    /// What was kept under this key, or else what is made now, which is kept unless it fails.
+    /// What was kept under this key, or else what is made now, which is kept unless it fails. Without a folder no key
+    /// is asked for.
     pub(crate) fn or_make<T: Serialize + DeserializeOwned, E>(
         &self,
-        key: Digest,
+        key: impl FnOnce() -> Digest,
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
-        if let Some(value) = self.get(key) {
+        let Some(folder) = &self.folder else { return make() };
+        let key = key();
+        if let Some(value) = self.get(folder, key) {
             return Ok(value);
         }
         let value = make()?;
-        if let Some(folder) = &self.folder {
-            // Without room or permission it is made again next time.
-            let _ = self.put(folder, key, &value);
-        }
+        // Without room or permission it is made again next time.
+        let _ = self.put(folder, key, &value);
         Ok(value)
     }
 
     /// An entry that is whole; it counts as used now.
-    fn get<T: DeserializeOwned>(&self, key: Digest) -> Option<T> {
-        let path = self.path(key)?;
+    fn get<T: DeserializeOwned>(&self, folder: &Path, key: Digest) -> Option<T> {
+        let path = folder.join(file_name(key));
         // To open a pipe would wait for its other end.
         fs::metadata(&path).ok().filter(|there| there.is_file())?;
         let mut bytes = Vec::new();
@@ -169,14 +170,14 @@ mod tests {
             made = true;
             Ok::<_, ()>(value.to_string())
         };
-        let value = cache.or_make(key, make).unwrap();
+        let value = cache.or_make(|| key, make).unwrap();
         (made, value)
     }
 
     #[test]
     fn what_was_made_is_kept_unless_it_failed() {
         let (_folder, cache) = cache(1000);
-        assert_eq!(cache.or_make::<String, _>(key("a"), || Err("no")), Err("no"));
+        assert_eq!(cache.or_make::<String, _>(|| key("a"), || Err("no")), Err("no"));
         assert_eq!(take(&cache, key("a"), "one"), (true, "one".to_string()));
         assert_eq!(take(&cache, key("a"), "two"), (false, "one".to_string()));
         assert_eq!(take(&cache, key("b"), "two"), (true, "two".to_string()));
@@ -188,7 +189,7 @@ mod tests {
         let (_folder, cache) = cache(1000);
         let key = key("a");
         take(&cache, key, "one");
-        let path = cache.path(key).unwrap();
+        let path = cache.path(|| key).unwrap();
         let whole = fs::read(&path).unwrap();
         let flipped = (0..8 * whole.len()).map(|bit| {
             let mut bytes = whole.clone();
@@ -208,7 +209,7 @@ mod tests {
     fn an_entry_under_the_name_of_another_is_damaged() {
         let (_folder, cache) = cache(1000);
         take(&cache, key("a"), "one");
-        fs::rename(cache.path(key("a")).unwrap(), cache.path(key("b")).unwrap()).unwrap();
+        fs::rename(cache.path(|| key("a")).unwrap(), cache.path(|| key("b")).unwrap()).unwrap();
         assert_eq!(take(&cache, key("b"), "two"), (true, "two".to_string()));
     }
 
@@ -218,10 +219,10 @@ mod tests {
         let (_folder, cache) = cache(2 * entry);
         let value = "x".repeat(100);
         let age = |text: &str, seconds| {
-            let file = File::options().append(true).open(cache.path(key(text)).unwrap()).unwrap();
+            let file = File::options().append(true).open(cache.path(|| key(text)).unwrap()).unwrap();
             file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
         };
-        let is_there = |text: &str| cache.path(key(text)).unwrap().exists();
+        let is_there = |text: &str| cache.path(|| key(text)).unwrap().exists();
         take(&cache, key("a"), &value);
         take(&cache, key("b"), &value);
         age("a", 20);

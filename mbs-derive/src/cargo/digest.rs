@@ -1,9 +1,14 @@
 //! Digests, by which what was made earlier is known to be what would be made now.
 
 use std::fmt;
+use std::fs::File;
+use std::io::{self, Read};
 use std::sync::OnceLock;
 
 use crate::source::Sources;
+
+/// What a digest is before the first part.
+const BEGIN: u128 = 0x9e37_79b9_7f4a_7c15_c2b2_ae3d_27d4_eb4f;
 
 /// 128 bits, into which sixteen bytes are mixed by one multiplication: a program of 20 MB is read at each call. Not
 /// against forgery, and the same only between runs of one program, which [`of_request`](Self::of_request) makes part of
@@ -14,18 +19,11 @@ pub struct Digest(u128);
 impl Digest {
     /// Of several parts, with their lengths, so that none can be taken for another.
     pub fn of<'p>(parts: impl IntoIterator<Item = &'p [u8]>) -> Self {
-        let mut state = 0x9e37_79b9_7f4a_7c15_c2b2_ae3d_27d4_eb4f;
-        for part in parts {
-            state = mixed(state, part.len() as u128);
-            let (blocks, rest) = part.as_chunks::<16>();
-            for block in blocks {
-                state = mixed(state, u128::from_le_bytes(*block));
-            }
-            let mut last = [0; 16];
-            last[..rest.len()].copy_from_slice(rest);
-            state = mixed(state, u128::from_le_bytes(last));
-        }
-        // Twice more, so that every bit of the last block reaches all bits.
+        Self::finished(parts.into_iter().fold(BEGIN, with))
+    }
+
+    /// Twice more, so that every bit of the last block reaches all bits.
+    fn finished(state: u128) -> Self {
         Digest(mixed(mixed(state, 0), 0))
     }
 
@@ -33,8 +31,22 @@ impl Digest {
     /// read.
     pub fn of_this_program() -> Option<Self> {
         static PROGRAM: OnceLock<Option<Digest>> = OnceLock::new();
-        let read = || std::fs::read(std::env::current_exe().ok()?).ok();
-        *PROGRAM.get_or_init(|| read().map(|bytes| Digest::of([&bytes[..]])))
+        let read = || Self::of_reader(File::open(std::env::current_exe().ok()?).ok()?).ok();
+        *PROGRAM.get_or_init(read)
+    }
+
+    /// In parts that stay in the processor's cache: a file in one part would ask for as much memory, page by page.
+    fn of_reader(mut reader: impl Read) -> io::Result<Self> {
+        const PART: usize = 1 << 18;
+        let (mut part, mut state) = (Vec::with_capacity(PART), BEGIN);
+        loop {
+            part.clear();
+            (&mut reader).take(PART as u64).read_to_end(&mut part)?;
+            if part.is_empty() {
+                return Ok(Self::finished(state));
+            }
+            state = with(state, &part);
+        }
     }
 
     /// Of all that decides on what this program makes of a mechanism: itself, what is asked for, and the texts of the
@@ -55,6 +67,16 @@ impl Digest {
     pub fn bytes(self) -> [u8; 16] {
         self.0.to_be_bytes()
     }
+}
+
+/// A part and its length, behind those that came before.
+fn with(state: u128, part: &[u8]) -> u128 {
+    let (blocks, rest) = part.as_chunks::<16>();
+    let state =
+        blocks.iter().fold(mixed(state, part.len() as u128), |state, block| mixed(state, u128::from_le_bytes(*block)));
+    let mut last = [0; 16];
+    last[..rest.len()].copy_from_slice(rest);
+    mixed(state, u128::from_le_bytes(last))
 }
 
 /// The product of both halves, to 128 bits, with the halves exchanged: after wyhash (Wang Yi, 2019), without a loss of
@@ -112,5 +134,19 @@ mod tests {
         assert!(imported(b"const a = 1;") != imported(b"const a = 2;"));
         assert!(imported(b"const a = 1;") == imported(b"const a = 1;"));
         assert!(Digest::of_this_program().is_some());
+    }
+
+    #[test]
+    fn every_byte_of_a_file_counts() {
+        let of = |bytes: &[u8]| Digest::of_reader(bytes).expect("it can be read");
+        let mut bytes = vec![7; (1 << 18) + 5];
+        let all = of(&bytes);
+        assert_eq!(all, of(&bytes));
+        for changed in [0, (1 << 18) - 1, 1 << 18, (1 << 18) + 4] {
+            bytes[changed] ^= 1;
+            assert_ne!(all, of(&bytes), "{changed}");
+            bytes[changed] ^= 1;
+        }
+        assert_ne!(all, of(&bytes[..1 << 18]));
     }
 }
