@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use syn::{ImplItem, Item, ItemImpl};
 
 use crate::emit::{self, Language, Options};
-use crate::expr::Number as Constant;
+use crate::expr::{Elimination, Number as Constant};
 use crate::optimise::{Argument, Derivation, Function, FunctionKind};
 use crate::verify::Failure;
 
@@ -137,8 +137,13 @@ impl<'d> Proofreader<'d> {
             let found = self.function(function, method, &itself);
             found.map_err(|what| misprint(&function.name, what))?;
         }
-        if let Some(motion) = methods.get(functions.len()) {
-            self.motion(motion, &itself).map_err(|what| misprint(&motion.sig.ident.to_string(), what))?;
+        let named = |method: &syn::ImplItemFn, what| misprint(&method.sig.ident.to_string(), what);
+        let mut of_constraints = methods.iter().skip(functions.len());
+        if let Some(motion) = of_constraints.next() {
+            self.motion(motion, &itself).map_err(|what| named(motion, what))?;
+        }
+        if let Some(system) = of_constraints.next() {
+            self.system(system, &itself).map_err(|what| named(system, what))?;
         }
         self.frame(items, &functions, &methods).map_err(|what| misprint("module", what))
     }
@@ -179,7 +184,7 @@ impl<'d> Proofreader<'d> {
         Meaning::record("Params", names.iter().map(String::as_str).zip(values))
     }
 
-    /// The constants that are splines.
+    /// The constants that are splines, and the order of elimination.
     fn tables(&mut self, items: &[Item]) -> Reading<()> {
         for item in items {
             let Item::Const(table) = item else { continue };
@@ -187,6 +192,15 @@ impl<'d> Proofreader<'d> {
                 continue;
             }
             let value = Reader::new(&self.module, &mut self.numbering, []).value(&table.expr)?;
+            if let (Meaning::Record(..), Some(elimination)) = (&value, &self.derivation.elimination) {
+                let Elimination { order, entries, rows, .. } = elimination;
+                let sizes = [order.len(), entries.len(), rows.len()].map(|size| size.to_string()).join(",");
+                if compact(&table.ty) != format!("::mbs_runtime::Elimination<{sizes}>") {
+                    return Err(format!("`{}` is of another size", table.ident));
+                }
+                self.module.constants.insert(table.ident.to_string(), value);
+                continue;
+            }
             let (number, columns) = self.table(&value).ok_or_else(|| format!("`{}` is no table", table.ident))?;
             if compact(&table.ty) != format!("::mbs_runtime::Spline<'static,{columns}>") {
                 return Err(format!("`{}` has another number of columns", table.ident));
@@ -290,7 +304,7 @@ impl<'d> Proofreader<'d> {
         let is_public = |method: &&&syn::ImplItemFn| matches!(method.vis, syn::Visibility::Public(_));
         let identifiers: Vec<String> =
             methods.iter().take_while(is_public).map(|method| method.sig.ident.to_string()).collect();
-        if methods.len() > identifiers.len() + 1 {
+        if methods.len() > identifiers.len() + 2 {
             return Err("there is a function too much".to_string());
         }
         let is_asked_for = |f: &Function| self.options.functions.as_ref().is_none_or(|names| names.contains(&f.name));
@@ -353,11 +367,30 @@ impl<'d> Proofreader<'d> {
         self.compare(&found, &expected)
     }
 
-    /// What a function returns by its text.
+    /// What is not zero of M and A against the Program of forward dynamics.
+    fn system(&mut self, method: &syn::ImplItemFn, itself: &Meaning) -> Reading<()> {
+        let forward_dynamics = self.derivation.function(FunctionKind::ForwardDynamics);
+        let eliminated = forward_dynamics.filter(|_| self.derivation.elimination.is_some());
+        let forward_dynamics = eliminated.ok_or("there is no such function")?;
+        let found = self.body(forward_dynamics, method, itself)?;
+        let expected = self.expectation.entries(forward_dynamics, &mut self.numbering);
+        self.compare(&found, &expected)
+    }
+
+    /// What a function returns or writes by its text.
     fn body(&mut self, function: &Function, method: &syn::ImplItemFn, itself: &Meaning) -> Reading<Meaning> {
         let arguments = self.expectation.arguments(function, &mut self.numbering);
         let bound = [("self", itself.clone())].into_iter().chain(arguments);
-        Reader::new(&self.module, &mut self.numbering, bound).block(&method.block)
+        let is_written = matches!(method.sig.output, syn::ReturnType::Default);
+        let storage = is_written.then(|| ("result", meaning::unwritten(function)));
+        let mut reader = Reader::new(&self.module, &mut self.numbering, bound.chain(storage));
+        let returned = reader.block(&method.block)?;
+        let written = reader.local("result").filter(|_| is_written);
+        match (written, returned) {
+            (None, returned) => Ok(returned),
+            (Some(written), Meaning::Tuple(nothing)) if nothing.is_empty() => Ok(written),
+            (Some(_), _) => Err("it returns what is not its result".to_string()),
+        }
     }
 
     fn compare(&self, found: &Meaning, expected: &Meaning) -> Reading<()> {

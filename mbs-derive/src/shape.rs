@@ -92,6 +92,12 @@ impl Shape {
     }
 }
 
+/// Whether results of these shapes take more than 64 kB as doubles: in Rust, storage of the caller is written then, and
+/// nothing is returned over the stack.
+pub(crate) fn is_large(shapes: impl IntoIterator<Item = Shape>) -> bool {
+    shapes.into_iter().map(Shape::entries).sum::<usize>() * size_of::<f64>() > 64 * 1024
+}
+
 /// As documentation says it.
 impl fmt::Display for Shape {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

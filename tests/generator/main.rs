@@ -16,6 +16,7 @@ mod reference;
 mod robustness;
 mod rope;
 mod sparse;
+mod storage;
 mod structured;
 mod textbook;
 mod ui;

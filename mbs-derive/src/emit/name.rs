@@ -10,11 +10,8 @@ use crate::variable::Variable;
 use crate::variable::component_names;
 
 /// Names that a local may not take: generics, parameters of functions, and what patterns would take for constants.
-const RESERVED: [&str; 16] = [
-    "ORDER",
-    "ENDS",
-    "ROWS",
-    "PLACES",
+const RESERVED: [&str; 14] = [
+    "ELIMINATION",
     "T",
     "t",
     "params",
@@ -27,6 +24,7 @@ const RESERVED: [&str; 16] = [
     "mass_matrix",
     "right_side",
     "factors",
+    "result",
 ];
 
 /// Arguments that a component may shadow where it is destructured after all others that are read.
@@ -173,6 +171,8 @@ pub(super) struct Names {
     pub(super) functions: Vec<String>,
     /// A private method, which gives way to an output of its name.
     pub(super) constrained_motion: String,
+    /// The function of what is not zero of M and A, where they are eliminated in a known order.
+    pub(super) constrained_system: String,
     /// A local: what the columns of a linearization are measured by.
     pub(super) scale: String,
     /// The splines of all programs, each once, as the constants `TABLE_0`, `TABLE_1`, ….
@@ -237,6 +237,7 @@ impl Names {
             fields: fields.unique_escaped(derivation.parameters.iter().map(|p| p.name.as_str())),
             functions: methods.unique_escaped(derivation.functions.iter().map(|f| f.name.as_str())),
             constrained_motion: methods.unique("constrained_motion"),
+            constrained_system: methods.unique("constrained_system"),
             scale,
             splines,
             hoisted,

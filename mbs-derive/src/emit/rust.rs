@@ -134,6 +134,7 @@ impl<'d> Module<'d> {
         let (module, code) = (module_name(derivation), format!("{mechanism} {methods}"));
         let docs = doc::attributes(&doc::module(derivation, &module, &names.mechanism, &code));
         let (module, tables, parameters) = (ident(&module), self.tables(), self.parameters());
+        let elimination = self.elimination();
         let (implementations, constraints, constants) = (self.implementations(), self.constraints(), self.constants());
         quote! {
             #docs
@@ -143,6 +144,7 @@ impl<'d> Module<'d> {
             )]
             pub mod #module {
                 #tables
+                #elimination
                 #parameters
                 #mechanism
                 #methods
@@ -176,7 +178,7 @@ impl<'d> Module<'d> {
         let name = ident(&self.walk.names.mechanism);
         let functions: Vec<&Function> = self.walk.functions.iter().map(|(_, f)| *f).collect();
         let mut docs = doc::mechanism(self.walk.derivation, &functions);
-        let traits = traits::names(self.walk.derivation, &self.walk.functions);
+        let traits = traits::names(&self.walk);
         if !traits.is_empty() {
             docs.extend([String::new(), format!("Implements `{}` of mbs-runtime.", traits.join("`, `"))]);
         }

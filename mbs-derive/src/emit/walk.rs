@@ -373,6 +373,14 @@ impl<'d> Walk<'d> {
         }
     }
 
+    /// The lines that compute what is not zero of M and A, and those entries, of a system that is eliminated in a known
+    /// order.
+    pub(super) fn entries(&self, forward_dynamics: &Function, syntax: &dyn Syntax) -> (Vec<String>, Vec<String>) {
+        let mut components = shape::components(self.derivation, forward_dynamics, false);
+        components.truncate(self.derivation.matrix_entries());
+        self.evaluated(&forward_dynamics.program, &components, self.names.function_scope(), syntax)
+    }
+
     /// What a function's program is evaluated at, and how its results come from its values.
     fn steps(&self, function: &Function, syntax: &dyn Syntax) -> (Motion, Ending) {
         match (function.kind, function.completion) {

@@ -8,7 +8,7 @@ use syn::{ImplItem, ImplItemFn, Item};
 
 use crate::catalogue::Trait;
 use crate::optimise::{Argument, Derivation, Derived, Function, FunctionKind};
-use crate::shape::Shape;
+use crate::shape::{Shape, is_large};
 use crate::variable::{Variable, component_names, count};
 
 use super::Proofreader;
@@ -48,6 +48,7 @@ impl<'d> Proofreader<'d> {
             fields: fields_of_the_mechanism(items),
             functions: functions.iter().copied().zip(methods.iter().map(|method| &method.sig.ident)).collect(),
             motion: methods.get(functions.len()).map(|motion| &motion.sig.ident),
+            system: methods.get(functions.len() + 1).map(|system| &system.sig.ident),
         };
         let expected = frame.module(self.options.serde, &indices_of(items)?);
         let expected = syn::parse2(expected).map_err(|error| error.to_string())?;
@@ -194,6 +195,8 @@ struct Frame<'f> {
     functions: Vec<(&'f Function, &'f Ident)>,
     /// The motion with constraints.
     motion: Option<&'f Ident>,
+    /// What is not zero of M and A, where they are eliminated in a known order.
+    system: Option<&'f Ident>,
 }
 
 impl Frame<'_> {
@@ -260,13 +263,21 @@ impl Frame<'_> {
     fn methods(&self) -> TokenStream {
         let functions = self.functions.iter().map(|(function, name)| {
             let (arguments, result) = (self.arguments(function), self.result(function));
-            quote!(pub fn #name(&self, #arguments) -> #result {})
+            match is_written(function) {
+                true => quote!(pub fn #name(&self, #arguments, result: &mut #result) {}),
+                false => quote!(pub fn #name(&self, #arguments) -> #result {}),
+            }
         });
         let forward_dynamics = self.derivation.function(FunctionKind::ForwardDynamics);
         let motion = self.motion.zip(forward_dynamics).map(|(name, function)| {
             let arguments = self.arguments(function);
             let [n, rows] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
             quote!(fn #name(&self, #arguments) -> ([T; #n], [T; #rows]) {})
+        });
+        let system = self.system.zip(self.derivation.elimination.as_ref()).map(|(name, elimination)| {
+            let time = self.derivation.depends_on_time.then(|| quote!(t: T,));
+            let (q, entries) = (self.argument(Argument::Q), several(&quote!(T), elimination.entries.len()));
+            quote!(fn #name(&self, #time #q) -> #entries {})
         });
         quote! {
             pub fn new(params: Params<T>) -> Self {}
@@ -279,6 +290,7 @@ impl Frame<'_> {
             }
             #(#functions)*
             #motion
+            #system
         }
     }
 
@@ -324,13 +336,22 @@ impl Frame<'_> {
         }
     }
 
-    /// A call of a function by another one that has its arguments.
-    fn call(&self, (function, name): (&Function, &Ident), is_by_a_trait: bool) -> TokenStream {
+    /// A call of a function by another one that has its arguments, and storage for its result if that is written.
+    fn call(
+        &self,
+        (function, name): (&Function, &Ident),
+        is_by_a_trait: bool,
+        storage: Option<TokenStream>,
+    ) -> TokenStream {
         let time = self.derivation.depends_on_time.then(|| quote!(t,));
         let reference = is_by_a_trait.then(|| quote!(&));
         let prescribed = (!self.derivation.prescribed.is_empty()).then(|| quote!(#reference prescribed,));
         let state = self.taken(function).into_iter().map(|argument| identifier(argument.name()));
-        quote!(self.#name(#time #prescribed #(#state),*))
+        let arguments = quote!(#time #prescribed #(#state),*);
+        match storage {
+            Some(storage) => quote!(self.#name(#arguments, #storage)),
+            None => quote!(self.#name(#arguments)),
+        }
     }
 
     fn find(&self, kind: FunctionKind) -> Option<(&Function, &Ident)> {
@@ -370,9 +391,20 @@ impl Frame<'_> {
         };
         let time = if derivation.prescribed.is_empty() { quote!(t) } else { quote!((t, prescribed)) };
         let functions = functions.iter().map(|(function, own)| {
-            let (of_trait, call) = (identifier(function.kind.name()), self.call((function, own), true));
+            let of_trait = identifier(function.kind.name());
             let state = function.arguments.iter().map(|&argument| self.argument(argument));
             let result = self.result(function);
+            let call = match is_written(function) {
+                false => self.call((function, own), true, None),
+                true => {
+                    let (zeros, call) = (zeros(function), self.call((function, own), true, Some(quote!(&mut result))));
+                    quote! {
+                        let mut result = #zeros;
+                        #call;
+                        result
+                    }
+                }
+            };
             quote!(fn #of_trait(&self, #time: Self::Time, #(#state),*) -> #result { #call })
         });
         quote! {
@@ -400,45 +432,78 @@ impl Frame<'_> {
 
     /// What the runtime's `Projector` asks for.
     fn constraints(&self) -> TokenStream {
-        let kinds = [
-            FunctionKind::MassMatrix,
-            FunctionKind::Constraint,
-            FunctionKind::ConstraintRate,
-            FunctionKind::ConstraintJacobian,
-        ];
-        let found: Option<Vec<_>> = kinds.into_iter().map(|kind| self.find(kind)).collect();
-        let Some(found) = found.filter(|_| self.derivation.prescribed.is_empty()) else { return TokenStream::new() };
-        let calls: Vec<_> = found.into_iter().map(|function| self.call(function, false)).collect();
-        let [mass_matrix, position, rate, jacobian] = calls.as_slice() else { unreachable!("four functions") };
-        let (name, holonomic) = (self.mechanism, &self.derivation.holonomic);
-        let [n, rows] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
-        let message = format!("{} coordinates", self.derivation.dof());
-        let [q, qd] = ["q", "qd"].map(|slice| {
+        let rows = self.find(FunctionKind::Constraint).zip(self.find(FunctionKind::ConstraintRate));
+        let Some((position, rate)) = rows.filter(|_| self.derivation.prescribed.is_empty()) else {
+            return TokenStream::new();
+        };
+        let [n, k] = [self.derivation.dof(), self.derivation.constraints.len()];
+        let expected = format!("{n} coordinates");
+        let [n, rows] = [n, k].map(Literal::usize_unsuffixed);
+        let sized = |slice: &str| {
             let slice = identifier(slice);
-            quote!(let #slice = #slice.first_chunk::<#n>().expect(#message);)
-        });
+            quote!(let #slice = #slice.first_chunk::<#n>().expect(#expected);)
+        };
+        let (q, qd) = (sized("q"), sized("qd"));
+        let written = |function: (&Function, &Ident), slice: &str| {
+            let (slice, shape) = (identifier(slice), function.0.results[0].shape);
+            let (expected, is_vector) = (shape.to_string(), matches!(shape, Shape::Vector(_)));
+            let rows = (!is_vector).then(|| quote!(.as_chunks_mut().0));
+            let whole = quote!(#slice #rows.first_chunk_mut().expect(#expected));
+            let call = self.call(function, false, is_written(function.0).then_some(whole));
+            match (is_written(function.0), is_vector) {
+                (true, _) => quote!(#call;),
+                (false, true) => quote!(#slice.copy_from_slice(&#call);),
+                (false, false) => quote!(#slice.copy_from_slice(#call.as_flattened());),
+            }
+        };
+        let (position, rate) = (written(position, "phi"), written(rate, "rate"));
+        let by_functions = || self.find(FunctionKind::MassMatrix).zip(self.find(FunctionKind::ConstraintJacobian));
+        let (mass_matrix, jacobian, least_change) = match (self.system, by_functions()) {
+            (Some(system), _) => {
+                let time = self.derivation.depends_on_time.then(|| quote!(t,));
+                let (entries, expected) = (quote!(self.#system(#time q)), format!("{k} rows"));
+                let least_change = quote! {
+                    fn least_change(
+                        &self, t: T, q: &[T], target: &[T], change: &mut [T]
+                    ) -> ::core::option::Option<usize> {
+                        #q
+                        let target = target.first_chunk::<#rows>().expect(#expected);
+                        let (least, rank): ([T; #n], usize) =
+                            ::mbs_runtime::sparse_least_change(&ELIMINATION, #entries, *target)?;
+                        change.copy_from_slice(&least);
+                        ::core::option::Option::Some(rank)
+                    }
+                };
+                let mass_matrix = quote!(ELIMINATION.write_mass_matrix(&#entries, m););
+                (mass_matrix, quote!(ELIMINATION.write_jacobian(&#entries, #n, a);), Some(least_change))
+            }
+            (None, Some((mass_matrix, jacobian))) => (written(mass_matrix, "m"), written(jacobian, "a"), None),
+            (None, None) => return TokenStream::new(),
+        };
+        let (name, holonomic) = (self.mechanism, &self.derivation.holonomic);
         quote! {
             impl<T: ::mbs_runtime::Real> ::mbs_runtime::Constraints<T> for #name<T> {
                 fn rows(&self) -> usize { #rows }
                 fn is_holonomic(&self, row: usize) -> bool { [#(#holonomic),*][row] }
                 fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]) {
                     #q
-                    m.copy_from_slice(#mass_matrix.as_flattened());
+                    #mass_matrix
                 }
                 fn position(&self, t: T, q: &[T], phi: &mut [T]) {
                     #q
                     let qd = &[T::zero(); #n];
-                    phi.copy_from_slice(&#position);
+                    #position
                 }
                 fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]) {
                     #q
                     #qd
-                    rate.copy_from_slice(&#rate);
+                    #rate
                 }
                 fn jacobian(&self, t: T, q: &[T], a: &mut [T]) {
                     #q
-                    a.copy_from_slice(#jacobian.as_flattened());
+                    #jacobian
                 }
+                #least_change
             }
         }
     }
@@ -493,6 +558,28 @@ fn arrays(lengths: &[usize]) -> TokenStream {
 fn several(of: &TokenStream, count: usize) -> TokenStream {
     let count = Literal::usize_unsuffixed(count);
     quote!([#of; #count])
+}
+
+/// Whether a function writes its result to storage of the caller.
+pub(super) fn is_written(function: &Function) -> bool {
+    is_large(function.results.iter().map(|part| part.shape))
+}
+
+/// What a result of matrices or vectors is before it is written.
+fn zeros(function: &Function) -> TokenStream {
+    let zero = quote!(T::zero());
+    let zeros = function.results.iter().map(|part| match part.shape {
+        Shape::Vector(n) => several(&zero, n),
+        Shape::Matrix(rows, columns) => several(&several(&zero, columns), rows),
+        Shape::Symmetric(n) => several(&several(&zero, n), n),
+        _ => TokenStream::new(),
+    });
+    let names = function.results.iter().map(|part| identifier(part.name));
+    match function.kind {
+        FunctionKind::Linearize => quote!(::mbs_runtime::Linearization { #(#names: #zeros),* }),
+        FunctionKind::InverseDynamicsJacobian => quote!(::mbs_runtime::InverseDynamicsJacobian { #(#names: #zeros),* }),
+        _ => quote!(#(#zeros)*),
+    }
 }
 
 fn type_of(shape: Shape) -> TokenStream {

@@ -272,6 +272,12 @@ impl<'d> Expectation<'d> {
         Meaning::call("constrained_solve_vectors", arguments.chain([self.vectors()]))
     }
 
+    /// What is not zero of M and A.
+    pub(super) fn entries(&self, forward_dynamics: &Function, numbering: &mut Numbering) -> Meaning {
+        let System { entries, .. } = self.system(forward_dynamics, numbering);
+        in_shape(Shape::Vector(entries.len()), &entries)
+    }
+
     fn vectors(&self) -> Meaning {
         Meaning::list(self.derivation.constraint_vectors.iter().map(|&number| Meaning::Integer(number)))
     }
@@ -346,6 +352,12 @@ fn assembled(function: &Function, mut parts: Vec<Meaning>) -> Meaning {
         _ if parts.len() == 1 => parts.remove(0),
         _ => Meaning::Tuple(parts.into()),
     }
+}
+
+/// A result in storage of the caller, of which nothing is written.
+pub(super) fn unwritten(function: &Function) -> Meaning {
+    let mut nothing = std::iter::repeat_with(|| Meaning::Path("nothing".to_string()));
+    assembled(function, function.results.iter().map(|part| shaped(part.shape, &mut nothing)).collect())
 }
 
 /// How many columns the right sides of a part have.

@@ -2,6 +2,8 @@
 //!
 //! What is not known here is refused: a text that cannot be read is not the Program.
 
+mod assignment;
+
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
@@ -154,40 +156,9 @@ impl<'r> Reader<'r> {
         self.locals.push(meaning);
     }
 
-    fn assign(&mut self, place: &Expr, value: Meaning) -> Reading<()> {
-        match (place, value) {
-            (Expr::Infer(_), _) => Ok(()),
-            (Expr::Path(path), value) => {
-                let name = path.path.require_ident().map_err(|_| cannot_read(path))?.to_string();
-                let local = *self.names.get(&name).ok_or_else(|| format!("`{name}` is not declared"))?;
-                if local < self.outer || self.locals[local].is_some() {
-                    return Err(format!("`{name}` is given a value here"));
-                }
-                self.locals[local] = Some(value);
-                Ok(())
-            }
-            (Expr::Index(component), value) => {
-                let Meaning::Integer(i) = self.value(&component.index)? else { return unknown(place) };
-                let Expr::Path(array) = &*component.expr else { return unknown(place) };
-                let name = array.path.require_ident().map_err(|_| cannot_read(array))?.to_string();
-                let local = self.names.get(&name).copied().filter(|local| *local >= self.outer);
-                match local.and_then(|local| self.locals[local].as_mut()) {
-                    Some(Meaning::List(entries)) if i < entries.len() => {
-                        Rc::make_mut(entries)[i] = value;
-                        Ok(())
-                    }
-                    _ => unknown(place),
-                }
-            }
-            (Expr::Array(places), value) => {
-                let values = self.entries(value, places.elems.len())?;
-                places.elems.iter().zip(values).try_for_each(|(place, value)| self.assign(place, value))
-            }
-            (Expr::Tuple(places), Meaning::Tuple(values)) if places.elems.len() == values.len() => {
-                places.elems.iter().zip(values.iter()).try_for_each(|(place, value)| self.assign(place, value.clone()))
-            }
-            (other, _) => unknown(other),
-        }
+    /// What a name means that was bound before the block that was read.
+    pub(super) fn local(&self, name: &str) -> Option<Meaning> {
+        self.names.get(name).and_then(|&local| self.locals[local].clone())
     }
 
     /// Gives the names of a pattern their meaning.

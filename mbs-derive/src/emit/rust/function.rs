@@ -5,14 +5,14 @@ use proc_macro2::{Literal, TokenStream};
 use quote::quote;
 
 use crate::expr::Elimination;
-use crate::optimise::FunctionKind;
-use crate::shape::Shape;
+use crate::optimise::{Argument, FunctionKind};
+use crate::shape::{Shape, is_large};
 
 use super::super::doc;
 use super::super::name::{escaped, ident};
 use super::super::walk::{Argued, Ending, Motion, Routine, Sizes};
-use super::shape::{array, array_of, shape_type, shaped};
-use super::{Module, tokens};
+use super::shape::{array, array_of, shape_type, shaped, written};
+use super::{Module, tokens, traits};
 
 impl Module<'_> {
     /// All of them; what those with constraints have in common comes last.
@@ -20,15 +20,44 @@ impl Module<'_> {
         let routines = self.walk.routines(&self.with("self.params"));
         let (motion, public): (Vec<_>, Vec<_>) = routines.iter().partition(|routine| routine.is_motion());
         let functions = public.into_iter().chain(motion).map(|routine| self.function(routine));
-        quote!(#(#functions)*)
+        let system = self.entries_of_the_system();
+        quote!(#(#functions)* #system)
+    }
+
+    /// What is not zero of M and A, where `Constraints` asks for that.
+    fn entries_of_the_system(&self) -> Option<TokenStream> {
+        let (_, forward_dynamics) = traits::eliminated(&self.walk)?;
+        let (lines, entries) = self.walk.entries(forward_dynamics, &self.with("self.params"));
+        let name = ident(&self.walk.names.constrained_system);
+        let arguments = self.walk.arguments(forward_dynamics);
+        let arguments: Vec<Argued> =
+            arguments.into_iter().filter(|(name, _)| ["t", Argument::Q.name()].contains(name)).collect();
+        let (arguments, result) = (self.arguments(&arguments), array(quote!(T), entries.len()));
+        let body = tokens(&format!("{}\n{}", lines.join("\n"), array_of(&entries)));
+        Some(quote! {
+            /// What is not zero of the lower triangle of M, and of A.
+            fn #name(&self, #(#arguments),*) -> #result {
+                #body
+            }
+        })
     }
 
     fn function(&self, routine: &Routine) -> TokenStream {
         let (docs, name) = (doc::attributes(&routine.docs), ident(&escaped(&routine.name)));
         let visibility = (!routine.is_motion()).then(|| quote!(pub));
         let arguments = self.arguments(&routine.arguments);
-        let shapes: Vec<Shape> = routine.parts.iter().map(|(_, shape)| *shape).collect();
-        let (result, body) = (self.result_type(routine.kind, &shapes), tokens(&self.body(routine)));
+        let (result, body) = (self.result_type(routine.kind, &shapes(routine)), tokens(&self.body(routine)));
+        if is_written(routine) {
+            let note =
+                doc::attributes(&[String::new(), "Writes to `result`, which takes more than 64 kB.".to_string()]);
+            return quote! {
+                #docs
+                #note
+                #visibility fn #name(&self, #(#arguments,)* result: &mut #result) {
+                    #body
+                }
+            };
+        }
         quote! {
             #docs
             #visibility fn #name(&self, #(#arguments),*) -> #result {
@@ -71,14 +100,14 @@ impl Module<'_> {
         let (given, lines) = (given.join(", "), routine.lines.join("\n"));
         let motion = format!("self.{}({given})", self.walk.names.constrained_motion);
         match &routine.ending {
-            Ending::Values => format!("{lines}\n{}", assembled(routine, &in_shape(routine))),
+            Ending::Values => format!("{lines}\n{}", results(routine)),
             Ending::Solve => {
                 let called = || format!("let qdd = &self.{}({given});\n", escaped(&self.walk.forward_dynamics()));
                 let accelerations = (routine.motion == Motion::Accelerations).then(called).unwrap_or_default();
                 format!("{accelerations}{lines}\n{}", self.solved(routine))
             }
             Ending::Motion => format!("{lines}\n{}", self.constrained(routine)),
-            Ending::OfMotion(part) => format!("{motion}.{}", usize::from(*part != "qdd")),
+            Ending::OfMotion(part) => assembled(routine, &[format!("{motion}.{}", usize::from(*part != "qdd"))]),
             Ending::Slopes(sizes) => {
                 let scale = &self.walk.names.scale;
                 let measured =
@@ -95,7 +124,8 @@ impl Module<'_> {
             ([(_, shape)], right_sides) => {
                 let solve = if matches!(shape, Shape::Vector(_)) { "ldlt_solve" } else { "ldlt_solve_many" };
                 let right_side = format!("let right_side = {};", right_sides[0]);
-                format!("{mass_matrix}\n{right_side}\n::mbs_runtime::{solve}(mass_matrix, right_side)")
+                let solution = assembled(routine, &[format!("::mbs_runtime::{solve}(mass_matrix, right_side)")]);
+                format!("{mass_matrix}\n{right_side}\n{solution}")
             }
             (_, right_sides) => {
                 let solved = right_sides.iter().map(|right_side| format!("factors.solve_many({right_side})"));
@@ -108,8 +138,8 @@ impl Module<'_> {
     /// q̈ and λ.
     fn constrained(&self, routine: &Routine) -> String {
         let (system, right_sides) = (self.system(routine), in_shape(routine).join(", "));
-        if let Some(tables) = self.tables_of_elimination() {
-            return format!("{tables}\n::mbs_runtime::sparse_solve({system}, {right_sides})");
+        if self.walk.derivation.elimination.is_some() {
+            return format!("::mbs_runtime::sparse_solve({system}, {right_sides})");
         }
         let vectors = &self.walk.derivation.constraint_vectors;
         match vectors.iter().enumerate().all(|(row, &first)| row == first) {
@@ -125,47 +155,50 @@ impl Module<'_> {
         let right_sides = format!("{}, {}", array_of(&rows[..n]), array_of(&rows[n..]));
         let (vectors, scale) = (&self.walk.derivation.constraint_vectors, &self.walk.names.scale);
         let system = self.system(routine);
-        let tables = self.tables_of_elimination();
-        let solution = match &tables {
+        let solution = match &self.walk.derivation.elimination {
             Some(_) => format!("::mbs_runtime::sparse_slopes({system}, {right_sides})"),
             None => {
                 let measures = format!("{vectors:?}, {scale}.0, {scale}.1");
                 format!("::mbs_runtime::constrained_slopes({system}, {right_sides}, {measures})")
             }
         };
-        let tables = tables.unwrap_or_default();
         let widths = routine.widths();
         if widths.len() == 1 {
-            return tables + &solution;
+            return assembled(routine, &[solution]);
         }
         let starts = widths.iter().scan(0, |next, width| Some(std::mem::replace(next, *next + width)));
         let parts = starts.map(|start| {
             let first = if start > 0 { format!("{start} + ") } else { String::new() };
             format!("::core::array::from_fn(|i| ::core::array::from_fn(|j| solution[i][{first}j]))")
         });
-        format!("{tables}let solution = {solution};\n{}", assembled(routine, &parts.collect::<Vec<_>>()))
+        format!("let solution = {solution};\n{}", assembled(routine, &parts.collect::<Vec<_>>()))
     }
 
     /// M and A, or the order in which they are eliminated and their entries.
     fn system(&self, routine: &Routine) -> String {
         if !routine.entries.is_empty() {
-            let fields = ["order: &ORDER", "ends: &ENDS", "rows: &ROWS", "places: &PLACES"].join(", ");
-            return format!("&::mbs_runtime::Elimination {{ {fields} }}, {}", array_of(&routine.entries));
+            return format!("&ELIMINATION, {}", array_of(&routine.entries));
         }
         let n = self.walk.derivation.dof();
         format!("{}, {}", rows(&routine.mass_matrix, n), rows(&routine.jacobian, n))
     }
 
-    /// The order of elimination, where there is one.
-    fn tables_of_elimination(&self) -> Option<String> {
-        let Elimination { order, starts, rows, places, .. } = self.walk.derivation.elimination.as_ref()?;
-        let table = |name: &str, of: &str, numbers: &[usize]| {
+    /// The order of elimination, where a function solves by it.
+    pub(super) fn elimination(&self) -> Option<TokenStream> {
+        self.walk.constrained()?;
+        let Elimination { order, starts, rows, entries, places, .. } = self.walk.derivation.elimination.as_ref()?;
+        let table = |(name, numbers): (&str, &[usize])| {
             let listed: Vec<String> = numbers.iter().map(ToString::to_string).collect();
-            format!("static {name}: [{of}; {}] = [{}];\n", numbers.len(), listed.join(", "))
+            format!("{name}: &[{}]", listed.join(", "))
         };
-        let tables = [("ORDER", "u16", order.as_slice()), ("ENDS", "u32", &starts[1..]), ("ROWS", "u16", rows)];
-        let tables = tables.into_iter().chain([("PLACES", "u32", places.as_slice())]);
-        Some(tables.map(|(name, of, numbers)| table(name, of, numbers)).collect())
+        let tables = [("order", order.as_slice()), ("ends", &starts[1..]), ("rows", rows), ("places", places)];
+        let [unknowns, entries, below] = [order.len(), entries.len(), rows.len()].map(Literal::usize_unsuffixed);
+        let tables = tokens(&tables.map(table).join(", "));
+        Some(quote! {
+            /// In which order accelerations and multipliers are eliminated.
+            const ELIMINATION: ::mbs_runtime::Elimination<#unknowns, #entries, #below> =
+                ::mbs_runtime::Elimination { #tables };
+        })
     }
 }
 
@@ -188,8 +221,32 @@ fn rows(values: &[String], columns: usize) -> String {
     array_of(&values.chunks(columns).map(array_of).collect::<Vec<_>>())
 }
 
-/// What a function returns, of its parts.
+/// The shapes of what a function returns or writes.
+fn shapes(routine: &Routine) -> Vec<Shape> {
+    routine.parts.iter().map(|(_, shape)| *shape).collect()
+}
+
+/// Whether a result is written to storage of the caller.
+fn is_written(routine: &Routine) -> bool {
+    is_large(shapes(routine)) && !routine.is_motion()
+}
+
+/// What a function whose values are its results returns, or writes.
+fn results(routine: &Routine) -> String {
+    if !is_written(routine) {
+        return assembled(routine, &in_shape(routine));
+    }
+    let parts = routine.parts.iter().zip(&routine.values).enumerate();
+    parts.map(|(i, ((_, shape), values))| written(&place(routine, i), *shape, values)).collect()
+}
+
+/// What a function returns, of its parts; or assignments that write them.
 fn assembled(routine: &Routine, parts: &[String]) -> String {
+    if is_written(routine) {
+        let dereferenced = if parts.len() == 1 { "*" } else { "" };
+        let assigned = |(i, part)| format!("{dereferenced}{} = {part};\n", place(routine, i));
+        return parts.iter().enumerate().map(assigned).collect();
+    }
     let named = |of: &str| {
         let fields = routine.parts.iter().zip(parts).map(|((name, _), part)| format!("{name}: {part}"));
         format!("::mbs_runtime::{of} {{ {} }}", fields.collect::<Vec<_>>().join(", "))
@@ -199,6 +256,14 @@ fn assembled(routine: &Routine, parts: &[String]) -> String {
         (FunctionKind::InverseDynamicsJacobian, _) => named("InverseDynamicsJacobian"),
         (_, [part]) => part.clone(),
         (_, parts) => format!("({})", parts.join(", ")),
+    }
+}
+
+/// Where a part of a large result is written.
+fn place(routine: &Routine, part: usize) -> String {
+    match routine.parts[part].0.as_str() {
+        "" => "result".to_string(),
+        name => format!("result.{name}"),
     }
 }
 

@@ -25,6 +25,34 @@ pub(super) fn shape_type(shape: Shape) -> TokenStream {
     }
 }
 
+/// A matrix or vector of zeros.
+pub(super) fn zeros(shape: Shape) -> TokenStream {
+    let zero = quote!(T::zero());
+    match shape {
+        Shape::Vector(n) => array(zero, n),
+        Shape::Matrix(rows, columns) => array(array(zero, columns), rows),
+        Shape::Symmetric(n) => array(array(zero, n), n),
+        other => unreachable!("no function of a trait returns {other}"),
+    }
+}
+
+/// The assignments that write values in this shape to a place, row by row.
+pub(super) fn written(place: &str, shape: Shape, values: &[String]) -> String {
+    let (rows, row) = match shape {
+        Shape::Matrix(rows, columns) => (rows, Shape::Vector(columns)),
+        Shape::Symmetric(n) => (n, Shape::Vector(n)),
+        Shape::Matrices(n, rows, columns) => (n, Shape::Matrix(rows, columns)),
+        Shape::Poses(n) => (n, Shape::Pose),
+        Shape::Wrenches(n) => (n, Shape::Wrench),
+        Shape::Vector(n) => (n, Shape::Scalar),
+        Shape::Scalar | Shape::Pose | Shape::Wrench => {
+            return format!("{place} = {};", shaped(shape, &mut values.iter()));
+        }
+    };
+    let mut values = values.iter();
+    (0..rows).map(|i| format!("{place}[{i}] = {};\n", shaped(row, &mut values))).collect()
+}
+
 /// The next values in this shape.
 pub(super) fn shaped(shape: Shape, values: &mut dyn Iterator<Item = &String>) -> String {
     let mut several =

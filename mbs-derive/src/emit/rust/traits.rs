@@ -5,13 +5,14 @@ use quote::{ToTokens, quote};
 
 use crate::catalogue::{Argument, FunctionKind, Trait};
 use crate::optimise::{Derivation, Function};
-use crate::shape::Shape;
+use crate::shape::{Shape, is_large};
 use crate::variable::component_names;
 
 use super::super::Options;
 use super::super::name::ident;
-use super::super::walk::selected;
+use super::super::walk::{Walk, selected};
 use super::Module;
+use super::shape::zeros;
 
 /// Whether the module implements `mbs_runtime::Mechanism`, and with it all that this rests on: all functions of the
 /// traits are generated.
@@ -34,24 +35,41 @@ fn implemented<'f, 'd>(functions: &'f [(usize, &'d Function)]) -> Vec<(Trait, Ve
 }
 
 /// The names of the traits of the runtime that the module implements.
-pub(super) fn names(derivation: &Derivation, functions: &[(usize, &Function)]) -> Vec<&'static str> {
-    let by_use = implemented(functions).into_iter().map(|(of, _)| of.name());
-    by_use.chain(constrained(derivation, functions).map(|_| "Constraints")).collect()
+pub(super) fn names(walk: &Walk<'_>) -> Vec<&'static str> {
+    let by_use = implemented(&walk.functions).into_iter().map(|(of, _)| of.name());
+    by_use.chain(constrained(walk).map(|_| "Constraints")).collect()
 }
 
-/// The functions that `Constraints` is made of, where motions are not prescribed, of which it does not know.
-fn constrained<'f, 'd>(
-    derivation: &Derivation,
-    functions: &'f [(usize, &'d Function)],
-) -> Option<[&'f (usize, &'d Function); 4]> {
-    let find = |kind| functions.iter().find(|(_, function)| function.kind == kind);
-    let found = [
-        find(FunctionKind::MassMatrix)?,
-        find(FunctionKind::Constraint)?,
-        find(FunctionKind::ConstraintRate)?,
-        find(FunctionKind::ConstraintJacobian)?,
-    ];
-    derivation.prescribed.is_empty().then_some(found)
+/// A function with its number.
+type Numbered<'d> = (usize, &'d Function);
+
+/// Where `Constraints` finds M and A.
+enum Matrices<'d> {
+    /// In these functions.
+    Functions([Numbered<'d>; 2]),
+    /// In what is not zero of the system that is eliminated.
+    Entries,
+}
+
+/// The functions that `Constraints` is made of, φ and `A q̇ + b`, and M and A, where motions are not prescribed, of
+/// which it does not know.
+fn constrained<'d>(walk: &Walk<'d>) -> Option<([Numbered<'d>; 2], Matrices<'d>)> {
+    let find = |kind| walk.functions.iter().copied().find(|(_, function)| function.kind == kind);
+    let rows = [find(FunctionKind::Constraint)?, find(FunctionKind::ConstraintRate)?];
+    if !walk.derivation.prescribed.is_empty() {
+        return None;
+    }
+    if walk.derivation.elimination.is_some() && walk.constrained().is_some() {
+        return Some((rows, Matrices::Entries));
+    }
+    let matrices = [find(FunctionKind::MassMatrix)?, find(FunctionKind::ConstraintJacobian)?];
+    Some((rows, Matrices::Functions(matrices)))
+}
+
+/// Forward dynamics, if `Constraints` finds M and A in its system.
+pub(super) fn eliminated<'d>(walk: &Walk<'d>) -> Option<Numbered<'d>> {
+    let (_, matrices) = constrained(walk)?;
+    walk.constrained().filter(|_| matches!(matrices, Matrices::Entries))
 }
 
 impl Module<'_> {
@@ -125,9 +143,20 @@ impl Module<'_> {
         });
         let shapes: Vec<Shape> = function.results.iter().map(|part| part.shape).collect();
         let result = self.result_type(function.kind, &shapes);
+        let called = match is_large(shapes.iter().copied()) {
+            false => quote!(self.#inherent(#(#passed),*)),
+            true => {
+                let zeros = zeros_of(function);
+                quote! {
+                    let mut result = #zeros;
+                    self.#inherent(#(#passed,)* &mut result);
+                    result
+                }
+            }
+        };
         quote! {
             fn #trait_function(&self, #time: Self::Time, #(#arguments),*) -> #result {
-                self.#inherent(#(#passed),*)
+                #called
             }
         }
     }
@@ -135,21 +164,52 @@ impl Module<'_> {
     /// What the runtime's `Projector` asks for, where it can be implemented.
     pub(super) fn constraints(&self) -> TokenStream {
         let derivation = self.walk.derivation;
-        let Some(found) = constrained(derivation, &self.walk.functions) else { return TokenStream::new() };
+        let Some(([position, rate], matrices)) = constrained(&self.walk) else { return TokenStream::new() };
         let [n, rows] = [derivation.dof(), derivation.constraints.len()].map(Literal::usize_unsuffixed);
         let name = ident(&self.walk.names.mechanism);
         let holonomic = &derivation.holonomic;
-        let call = |(number, function): &(usize, &Function)| {
-            let inherent = ident(&self.walk.names.functions[*number]);
+        let written = |(number, function): Numbered<'_>, slice: &str| {
+            let (inherent, slice) = (ident(&self.walk.names.functions[number]), ident(slice));
             let passed = self.walk.arguments(function).into_iter().map(|(name, _)| ident(name));
-            quote!(self.#inherent(#(#passed),*))
+            let (shape, is_vector) = (function.results[0].shape, matches!(function.results[0].shape, Shape::Vector(_)));
+            match (is_large([shape]), is_vector) {
+                (true, _) => {
+                    let rows = (!is_vector).then(|| quote!(.as_chunks_mut().0));
+                    let expected = shape.to_string();
+                    quote!(self.#inherent(#(#passed,)* #slice #rows.first_chunk_mut().expect(#expected));)
+                }
+                (false, true) => quote!(#slice.copy_from_slice(&self.#inherent(#(#passed),*));),
+                (false, false) => quote!(#slice.copy_from_slice(self.#inherent(#(#passed),*).as_flattened());),
+            }
         };
-        let [mass_matrix, position, rate, jacobian] = found.map(call);
+        let (system, time) =
+            (ident(&self.walk.names.constrained_system), derivation.depends_on_time.then(|| quote!(t,)));
+        let system = quote!(self.#system(#time q));
+        let [position, rate] = [written(position, "phi"), written(rate, "rate")];
+        let [mass_matrix, jacobian] = match matrices {
+            Matrices::Functions([mass_matrix, jacobian]) => [written(mass_matrix, "m"), written(jacobian, "a")],
+            Matrices::Entries => [
+                quote!(ELIMINATION.write_mass_matrix(&#system, m);),
+                quote!(ELIMINATION.write_jacobian(&#system, #n, a);),
+            ],
+        };
         let sized = |slice: &str| {
             let (slice, expected) = (ident(slice), format!("{} coordinates", derivation.dof()));
             quote!(let #slice = #slice.first_chunk::<#n>().expect(#expected);)
         };
         let (q, qd) = (sized("q"), sized("qd"));
+        let least_change = matches!(matrices, Matrices::Entries).then(|| {
+            let expected = format!("{} rows", derivation.constraints.len());
+            quote! {
+                fn least_change(&self, t: T, q: &[T], target: &[T], change: &mut [T]) -> ::core::option::Option<usize> {
+                    #q
+                    let target = target.first_chunk::<#rows>().expect(#expected);
+                    let (least, rank): ([T; #n], usize) = ::mbs_runtime::sparse_least_change(&ELIMINATION, #system, *target)?;
+                    change.copy_from_slice(&least);
+                    ::core::option::Option::Some(rank)
+                }
+            }
+        });
         quote! {
             impl<T: ::mbs_runtime::Real> ::mbs_runtime::Constraints<T> for #name<T> {
                 fn rows(&self) -> usize {
@@ -160,23 +220,36 @@ impl Module<'_> {
                 }
                 fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]) {
                     #q
-                    m.copy_from_slice(#mass_matrix.as_flattened());
+                    #mass_matrix
                 }
                 fn position(&self, t: T, q: &[T], phi: &mut [T]) {
                     #q
                     let qd = &[T::zero(); #n];
-                    phi.copy_from_slice(&#position);
+                    #position
                 }
                 fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]) {
                     #q
                     #qd
-                    rate.copy_from_slice(&#rate);
+                    #rate
                 }
                 fn jacobian(&self, t: T, q: &[T], a: &mut [T]) {
                     #q
-                    a.copy_from_slice(#jacobian.as_flattened());
+                    #jacobian
                 }
+                #least_change
             }
         }
     }
+}
+
+/// What a large result of a function is before it is written.
+fn zeros_of(function: &Function) -> TokenStream {
+    let of_each = function.results.iter().map(|part| zeros(part.shape));
+    let record = match function.kind {
+        FunctionKind::Linearize => quote!(::mbs_runtime::Linearization),
+        FunctionKind::InverseDynamicsJacobian => quote!(::mbs_runtime::InverseDynamicsJacobian),
+        _ => return quote!(#(#of_each)*),
+    };
+    let names = function.results.iter().map(|part| ident(part.name));
+    quote!(#record { #(#names: #of_each),* })
 }
