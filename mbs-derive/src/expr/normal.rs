@@ -5,6 +5,7 @@
 //! for, so it is given up when it grows past a bound; then the graph's own form is the better one.
 //!
 //! - [`combination`]: linear combinations and polynomials;
+//! - [`powers`]: the factors of a term;
 //! - `expansion`: the graph multiplied out;
 //! - [`wave`]: sines and cosines of sums of angles;
 //! - [`half_angle`]: doubled angles halved again, `sin²θ` for `½ (1 − cos 2θ)`;
@@ -18,9 +19,10 @@ mod expansion;
 pub(crate) mod factor;
 pub(crate) mod half_angle;
 pub(crate) mod kept;
+pub(crate) mod powers;
 pub(crate) mod wave;
 
-use super::graph::Expr;
+use super::graph::{Expr, Graph};
 
 pub(crate) use expansion::Sum;
 pub(crate) use factor::weight;
@@ -53,27 +55,49 @@ pub(crate) fn normal_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> 
 pub(crate) fn cheapest_form<'g>(roots: &[Expr<'g>], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some(first) = roots.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let forms = |&turned: &Turned| {
+    let mut forms = Forms::new(graph);
+    for &turned in kept.ways() {
         let mut expansion = Expansion::new(graph, kept, turned, limit);
         let sums: Option<Vec<Sum>> = roots.iter().map(|root| expansion.of(root.id())).collect();
-        Doubled::ALL.into_iter().filter_map(move |doubled| {
-            let polynomials: Option<Vec<Polynomial>> =
-                sums.as_ref()?.iter().map(|sum| expansion.polynomial(sum, Some(doubled))).collect();
-            polynomials.map(|polynomials| factor::shared(graph, &polynomials))
-        })
-    };
-    cheapest(roots, kept.ways().iter().flat_map(forms).collect())
+        let Some(sums) = sums else { continue };
+        for doubled in Doubled::ALL {
+            forms.add(sums.iter().map(|sum| expansion.polynomial(sum, Some(doubled))).collect());
+        }
+    }
+    forms.cheapest(roots)
 }
 
-/// Of equally cheap ones the first, among those that keep the digits of what they stand for; that itself where none
-/// does, `None` where there are no forms.
-fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec<Expr<'g>>> {
-    if forms.is_empty() {
-        return None;
+/// The forms of polynomials, each once.
+struct Forms<'g> {
+    graph: &'g Graph,
+    polynomials: Vec<Vec<Polynomial>>,
+    written: Vec<Vec<Expr<'g>>>,
+}
+
+impl<'g> Forms<'g> {
+    fn new(graph: &'g Graph) -> Self {
+        Forms { graph, polynomials: Vec::new(), written: Vec::new() }
     }
-    forms.sort_by_cached_key(|form| weight(form));
-    forms.dedup();
-    Some(forms.into_iter().find(|form| digits::are_kept(given, form)).unwrap_or_else(|| given.to_vec()))
+
+    /// Of polynomials that there are, and that are not there yet: ways differ in doubled angles and kept sums alone.
+    fn add(&mut self, polynomials: Option<Vec<Polynomial>>) {
+        if let Some(polynomials) = polynomials.filter(|polynomials| !self.polynomials.contains(polynomials)) {
+            self.written.push(factor::shared(self.graph, &polynomials));
+            self.polynomials.push(polynomials);
+        }
+    }
+
+    /// Of equally cheap ones the first, among those that keep the digits of what they stand for; that itself where none
+    /// does, `None` where there are no forms.
+    fn cheapest(mut self, given: &[Expr<'g>]) -> Option<Vec<Expr<'g>>> {
+        if self.written.is_empty() {
+            return None;
+        }
+        self.written.sort_by_cached_key(|form| weight(form));
+        self.written.dedup();
+        let kept = self.written.into_iter().find(|form| digits::are_kept(given, form));
+        Some(kept.unwrap_or_else(|| given.to_vec()))
+    }
 }
 
 /// `a / b` for each pair, in the cheapest of the forms that texts use; what is common to a and to a b of one term
@@ -81,22 +105,23 @@ fn cheapest<'g>(given: &[Expr<'g>], mut forms: Vec<Vec<Expr<'g>>>) -> Option<Vec
 pub(crate) fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
-    let forms = |&turned: &Turned| {
+    let mut forms = Forms::new(graph);
+    for &turned in kept.ways() {
         let mut expansion = Expansion::new(graph, kept, turned, limit);
         let sums: Option<Vec<[Sum; 2]>> =
             pairs.iter().map(|(a, b)| Some([expansion.of(a.id())?, expansion.of(b.id())?])).collect();
-        Doubled::ALL.into_iter().filter_map(move |doubled| {
+        let Some(sums) = sums else { continue };
+        for doubled in Doubled::ALL {
             let quotient = |[a, b]: &[Sum; 2]| {
                 let [a, b] = [expansion.polynomial(a, Some(doubled))?, expansion.polynomial(b, Some(doubled))?];
                 let reciprocal = b.monomial_power(-1).unwrap_or_else(|| factor::reciprocal(graph, &b));
                 a.times(&reciprocal, limit)
             };
-            let polynomials: Option<Vec<Polynomial>> = sums.as_ref()?.iter().map(quotient).collect();
-            polynomials.map(|polynomials| factor::shared(graph, &polynomials))
-        })
-    };
+            forms.add(sums.iter().map(quotient).collect());
+        }
+    }
     let given: Vec<_> = pairs.iter().map(|&(a, b)| a / b).collect();
-    cheapest(&given, kept.ways().iter().flat_map(forms).collect())
+    forms.cheapest(&given)
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ impl<'g> Algebra<'g> {
         if self.abbreviates {
             // Better longer than by angles that have no abbreviation.
             let is_wave = |id: &Id| matches!(self.atoms[id].shape, Shape::Named("\\sin" | "\\cos", _));
-            let has_wave = |sum: &Polynomial| sum.0.keys().flat_map(BTreeMap::keys).any(is_wave);
+            let has_wave = |sum: &Polynomial| sum.0.keys().flat_map(Powers::keys).any(is_wave);
             if forms.iter().any(|sum| !has_wave(sum)) {
                 forms.retain(|sum| !has_wave(sum));
             }
@@ -250,7 +250,7 @@ impl<'g> Algebra<'g> {
     }
 
     fn function(&mut self, id: Id, shape: Shape, arguments: &[&Polynomial]) {
-        let atoms = || arguments.iter().flat_map(|sum| sum.0.keys()).flat_map(BTreeMap::keys).map(|id| &self.atoms[id]);
+        let atoms = || arguments.iter().flat_map(|sum| sum.0.keys()).flat_map(Powers::keys).map(|id| &self.atoms[id]);
         let parametric = self.graph.is_parametric(id);
         let first_coordinate = atoms().map(|atom| atom.first_coordinate).min().unwrap_or(u32::MAX);
         let (kind, text) = match &shape {

@@ -1,8 +1,11 @@
 //! Linear combinations, and polynomials among them.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use crate::expr::{Id, Number};
+
+pub(crate) use super::powers::Powers;
 
 /// Products with powers beyond this many halves are not formed.
 const HIGHEST: i32 = 200;
@@ -15,10 +18,7 @@ const MOST_FACTORS: usize = 100;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Combination<K>(pub BTreeMap<K, Number>);
 
-/// Powers, in halves, of indivisible expressions; none of them zero.
-pub(crate) type Powers = BTreeMap<Id, i32>;
-
-/// A sum of products of powers.
+/// A sum of products of powers, in halves, none of them zero.
 pub(crate) type Polynomial = Combination<Powers>;
 
 impl<K> Default for Combination<K> {
@@ -37,11 +37,19 @@ impl<K: Ord + Clone> Combination<K> {
 
     /// Adds a term.
     pub(crate) fn add(&mut self, key: K, coefficient: Number) {
-        let sum = self.coefficient(&key) + coefficient;
-        if sum.is_zero() {
-            self.0.remove(&key);
-        } else {
-            self.0.insert(key, sum);
+        match self.0.entry(key) {
+            Entry::Vacant(_) if coefficient.is_zero() => {}
+            Entry::Vacant(place) => {
+                place.insert(coefficient);
+            }
+            Entry::Occupied(mut known) => {
+                let sum = *known.get() + coefficient;
+                if sum.is_zero() {
+                    known.remove();
+                } else {
+                    known.insert(sum);
+                }
+            }
         }
     }
 
@@ -110,18 +118,9 @@ impl Polynomial {
 
 /// The product of two products of powers; `None` where a power is too high, or factors are too many.
 pub(crate) fn product_of_powers(a: &Powers, b: &Powers) -> Option<Powers> {
-    let mut product = a.clone();
-    for (&id, &halves) in b {
-        let power = product.entry(id).or_insert(0);
-        *power += halves;
-        if power.abs() > HIGHEST {
-            return None;
-        }
-        if *power == 0 {
-            product.remove(&id);
-        }
-    }
-    (product.len() <= MOST_FACTORS).then_some(product)
+    let product = a.plus(b, 1);
+    let is_too_high = |id| product.get(id).is_some_and(|halves| halves.abs() > HIGHEST);
+    (product.len() <= MOST_FACTORS && !b.keys().any(is_too_high)).then_some(product)
 }
 
 /// A whole power of a product of powers; `None` where a power is too high.

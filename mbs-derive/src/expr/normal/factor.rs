@@ -16,7 +16,9 @@ const MOST_SHARED: usize = 150;
 
 /// The polynomials as expressions, with common factors taken out, the most common first.
 pub(crate) fn factored<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Expr<'g>> {
-    Sheet::of(graph, polynomials, Brackets::First).expressions()
+    let mut sheet = Sheet::empty(graph, Brackets::First);
+    polynomials.iter().for_each(|polynomial| sheet.write(products(graph, polynomial)));
+    sheet.expressions()
 }
 
 /// The polynomials as expressions that share what they have in common.
@@ -24,8 +26,10 @@ pub(crate) fn shared<'g>(graph: &'g Graph, polynomials: &[Polynomial]) -> Vec<Ex
     if polynomials.iter().map(|p| p.0.len()).sum::<usize>() > MOST_SHARED {
         return factored(graph, polynomials);
     }
+    let products: Vec<_> = polynomials.iter().map(|polynomial| products(graph, polynomial)).collect();
     let ways = [Brackets::First, Brackets::Last, Brackets::None].map(|brackets| {
-        let mut sheet = Sheet::of(graph, polynomials, brackets);
+        let mut sheet = Sheet::empty(graph, brackets);
+        products.iter().cloned().for_each(|products| sheet.write(products));
         sheet.share();
         sheet.expressions()
     });
@@ -133,12 +137,6 @@ struct Sheet<'g> {
 }
 
 impl<'g> Sheet<'g> {
-    fn of(graph: &'g Graph, polynomials: &[Polynomial], brackets: Brackets) -> Self {
-        let mut sheet = Sheet::empty(graph, brackets);
-        polynomials.iter().for_each(|polynomial| sheet.write(products(graph, polynomial)));
-        sheet
-    }
-
     fn empty(graph: &'g Graph, brackets: Brackets) -> Self {
         let (sums, roots, pairs) = (Vec::new(), Vec::new(), Vec::new());
         Sheet { graph, brackets, sums, known: BTreeMap::new(), roots, pairs }
@@ -191,8 +189,9 @@ impl<'g> Sheet<'g> {
     fn most_common_factor(&self, products: &[Product]) -> Option<Factor> {
         let mut counts: BTreeMap<Factor, usize> = BTreeMap::new();
         for product in products {
-            let distinct: BTreeSet<Factor> = product.factors.iter().copied().collect();
-            distinct.into_iter().for_each(|factor| *counts.entry(factor).or_insert(0) += 1);
+            // Equal factors are neighbours.
+            let distinct = product.factors.chunk_by(|a, b| a == b).map(|equal| equal[0]);
+            distinct.for_each(|factor| *counts.entry(factor).or_insert(0) += 1);
         }
         match self.brackets {
             Brackets::First => first_most_frequent(counts.into_iter()),

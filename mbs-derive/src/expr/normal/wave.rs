@@ -1,11 +1,11 @@
 //! Sines and cosines of sums of angles, and their products as sums.
 
-use std::collections::BTreeMap;
+use crate::expr::{Expr, Graph, Number};
 
-use crate::expr::{Expr, Graph, Id, Number};
+use super::powers::Powers;
 
 /// An angle: integer multiples of indivisible expressions, the first of them positive.
-pub(crate) type Angle = BTreeMap<Id, i32>;
+pub(crate) type Angle = Powers;
 
 /// What a product of powers is multiplied with.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -32,7 +32,7 @@ impl Wave {
             [None, _] => return vec![(plus, other.clone())],
             [_, None] => return vec![(plus, self.clone())],
         };
-        let (sum, difference) = (combine(x, y, 1), combine(x, y, -1));
+        let (sum, difference) = (x.plus(y, 1), x.plus(y, -1));
         let signed = match (cos_x, cos_y) {
             (true, true) => [(plus, cosine(difference)), (plus, cosine(sum))],
             (false, false) => [(plus, cosine(difference)), (minus, cosine(sum))],
@@ -61,18 +61,6 @@ pub(crate) fn expression<'g>(angle: &Angle, graph: &'g Graph) -> Expr<'g> {
 /// Half of an angle that is twice a sum of whole multiples.
 pub(crate) fn half(angle: &Angle) -> Option<Angle> {
     angle.iter().map(|(&id, &n)| (n % 2 == 0).then_some((id, n / 2))).collect()
-}
-
-fn combine(a: &Angle, b: &Angle, sign: i32) -> Angle {
-    let mut sum = a.clone();
-    for (&id, &n) in b {
-        let multiple = sum.entry(id).or_insert(0);
-        *multiple += sign * n;
-        if *multiple == 0 {
-            sum.remove(&id);
-        }
-    }
-    sum
 }
 
 /// `cos` of an angle: even, and 1 at 0.
