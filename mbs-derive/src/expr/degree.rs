@@ -4,6 +4,9 @@
 //! cosines: a sum of quotients `a/b + c/d` is `(a d + c b)/(b d)`. What was divided by is kept as a factor, so that
 //! `a/b + c/b` is `(a + c)/b`. A degree is a bound: what else cancels is not noticed.
 
+#[cfg(test)]
+mod tests;
+
 use super::evaluate::{Solutions, Value, operators};
 use super::factors::symmetric;
 use super::field::{Prime, mixed};
@@ -121,7 +124,7 @@ impl Degree {
             angle: combined(self.angle, other.angle),
             factors: Factors::default(),
             denominators: common_multiple(self.denominators, other.denominators),
-            inner: self.inner.max(other.inner),
+            inner: larger(self.inner, other.inner),
             form,
         }
     }
@@ -176,13 +179,13 @@ impl Degree {
         Degree {
             angle: Quotient { numerator: numerator * turns, denominator: denominator * turns },
             denominators: common_multiple(self.denominators, steps),
-            inner: self.inner.max(self.total()),
+            inner: larger(self.inner, self.total()),
             ..Self::of_constant(Form::Opaque)
         }
     }
 
     fn opaque(self) -> Self {
-        let inner = self.inner.max(self.total());
+        let inner = larger(self.inner, self.total());
         Degree { plain: Quotient::polynomial(1.0), inner, ..Self::of_constant(Form::Opaque) }
     }
 
@@ -195,7 +198,7 @@ impl Degree {
             let cleared = |of: fn(&Self) -> Quotient| {
                 let denominators: f64 = entries().map(|entry| of(entry).denominator).sum();
                 let numerator = |entry: &Self| of(entry).numerator + denominators - of(entry).denominator;
-                Quotient::polynomial(entries().map(numerator).fold(0.0, f64::max))
+                Quotient::polynomial(entries().map(numerator).fold(0.0, larger))
             };
             let all = entries().fold(zero, |all, &entry| all.with(entry, |_, _| Quotient::default(), Form::Opaque));
             Degree { plain: cleared(|entry| entry.plain), angle: cleared(|entry| entry.angle), ..all }
@@ -244,7 +247,7 @@ impl Quotient {
 
     fn plus(self, other: Self) -> Self {
         let (a, b) = (self.numerator + other.denominator, other.numerator + self.denominator);
-        Quotient { numerator: a.max(b), denominator: self.denominator + other.denominator }
+        Quotient { numerator: larger(a, b), denominator: self.denominator + other.denominator }
     }
 
     fn times(self, other: Self) -> Self {
@@ -296,20 +299,25 @@ const SUM: u64 = 1 << 32;
 const PRODUCT: u64 = 2 << 32;
 const CALL: u64 = 3 << 32;
 
-/// Of integers; their product where they are too large to be told from their neighbours, and never infinite.
+/// Of integers; infinite where they are too large to be told from their neighbours.
 fn common_multiple(a: f64, b: f64) -> f64 {
     const EXACT: f64 = (1u64 << f64::MANTISSA_DIGITS) as f64;
+    if !(a <= EXACT && b <= EXACT) {
+        return f64::INFINITY;
+    }
     if a == b || a == 1.0 || b == 1.0 {
         return a.max(b);
-    }
-    if a.max(b) > EXACT {
-        return (a * b).min(f64::MAX);
     }
     let (mut greater, mut rest) = (a, b);
     while rest != 0.0 {
         (greater, rest) = (rest, greater % rest);
     }
     a / greater * b
+}
+
+/// The larger one of two bounds; of one that is NaN nothing is known.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 impl Value for Degree {
@@ -523,80 +531,3 @@ impl Value for Degree {
 }
 
 operators!([] Degree);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn number(numerator: i128, denominator: i128) -> Degree {
-        Degree::number(Number::rational(numerator, denominator).unwrap())
-    }
-
-    fn plain(numerator: f64, denominator: f64) -> Quotient {
-        Quotient { numerator, denominator }
-    }
-
-    #[test]
-    fn rational_operations_by_hand() {
-        let x = Degree::symbol(1);
-        // x³/(x + 1) + 1/x = (x⁴ + x + 1)/(x² + x)
-        let sum = x.power(6).div(x.add(number(1, 1))).add(number(1, 1).div(x));
-        assert_eq!((sum.without_factors().plain, sum.angle), (plain(4.0, 2.0), plain(0.0, 0.0)));
-        assert_eq!(sum.power(-4).without_factors().plain, plain(4.0, 8.0));
-        // x/(x + 1) + x²/(x + 1)² = (x (x + 1) + x²)/(x + 1)², and that times (x + 1).
-        let below = x.add(number(1, 1));
-        let sum = x.div(below).add(x.div(below).power(4));
-        assert_eq!(sum.without_factors().plain, plain(2.0, 2.0));
-        let pivots = number(1, 1).div(x.sub(x.mul(x).div(below)));
-        assert_eq!(pivots.mul(x.div(below)).without_factors().plain, plain(1.0, 2.0));
-        assert_eq!(x.mul(number(0, 1)).add(number(3, 1)).plain, plain(0.0, 0.0));
-        assert_eq!(x.mul(x).sub(x).power(1).plain, plain(2.0, 0.0));
-    }
-
-    #[test]
-    fn multiples_of_angles_by_hand() {
-        let (x, y) = (Degree::symbol(1), Degree::symbol(2));
-        // sin(3 x − y/4): 2 (3 + 1/4), by quarters.
-        let sine = x.mul(number(3, 1)).sub(y.div(number(4, 1))).call(Function::Sin);
-        assert_eq!((sine.angle, sine.denominators), (plain(6.5, 0.0), 4.0));
-        assert_eq!(sine.total(), 26.0);
-        // cos(x/6) sin(x/4): by twelfths, of which there are 2 (2 + 3).
-        let product = x.div(number(6, 1)).call(Function::Cos).mul(x.div(number(4, 1)).call(Function::Sin));
-        assert!((product.total() - 10.0).abs() < 1e-12, "{product:?}");
-        // A product of symbols is a term, a root is one too: 2.
-        assert_eq!(x.mul(y).call(Function::Cos).total(), 2.0);
-        assert_eq!(x.add(y).power(1).mul(number(1, 7)).call(Function::Cos).total(), 2.0);
-    }
-
-    #[test]
-    fn multiples_of_many_denominators_are_finite() {
-        assert_eq!((1..=10).map(f64::from).fold(1.0, common_multiple), 2520.0);
-        let all = (1..2000).map(f64::from).fold(1.0, common_multiple);
-        assert!(all > 1e300 && all.is_finite());
-        let (x, n) = (Degree::symbol(1), Prime::<2>::N as f64);
-        let sines = (1..2000).map(|i| x.div(number(i, 1)).call(Function::Sin)).fold(number(1, 1), Degree::add);
-        assert!(sines.chance(0) > 1e300 / n, "{sines:?}");
-        assert_eq!(x.mul(number(0, 1)).add(number(3, 1)).chance(0), 0.0);
-    }
-
-    /// `[2, x; x, y] (a, b) = (1, z)`: rows of degree one each.
-    #[test]
-    fn linear_solves_by_hand() {
-        let x = Degree::symbol(1);
-        let mut columns = vec![vec![number(1, 1), x]];
-        Degree::solve_symmetric(&[number(2, 1), x, x], &mut columns);
-        assert!(columns[0].iter().all(|entry| entry.plain == plain(2.0, 2.0)));
-        let solved = Degree::constrained(1, vec![x.mul(x)], vec![x], &[0])(&[x, x]);
-        assert!(solved.iter().all(|entry| entry.plain == plain(3.0, 3.0)));
-    }
-
-    #[test]
-    fn a_chance_is_that_of_degrees() {
-        let (x, y) = (Degree::symbol(1), Degree::symbol(2));
-        let (p, n) = (Prime::<2>::P as f64, Prime::<2>::N as f64);
-        assert_eq!(x.mul(y).add(x).chance(0), 2.0 / p);
-        assert_eq!(x.mul(y.call(Function::Sin)).chance(0), 1.0 / p + 2.0 / n);
-        // Four arguments are six pairs: at most eight, of degree two each.
-        assert_eq!(x.mul(y).call(Function::Atan).chance(4), (1.0 + 8.0 * 2.0) / p);
-    }
-}
