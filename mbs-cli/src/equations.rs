@@ -210,11 +210,6 @@ impl<'d> Equations<'d> {
             .collect()
     }
 
-    /// The rank of A in this place at the start, where the elimination of the mechanism tells it.
-    pub(crate) fn rank(&self, q: &[f64]) -> Option<usize> {
-        self.least_change(self.start.t, q, &vec![0.0; self.rows()], &mut vec![0.0; q.len()])
-    }
-
     /// How constraints bring states back.
     pub(crate) fn projector(&self, redundant_rows: RedundantRows) -> Projector<f64, Vec<f64>> {
         let size = Projector::<f64, Vec<f64>>::size(self.derivation.dof(), self.rows());

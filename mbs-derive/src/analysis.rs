@@ -246,7 +246,7 @@ impl Mechanism {
     }
 }
 
-/// Of more coordinates than these nothing but the dynamics is derived of a chain, and where M and A couple little,
+/// Of a chain of more coordinates than this, and of a mechanism whose M and A couple little, only the dynamics is derived
 /// unless functions are asked for.
 const MANY_COORDINATES: usize = 100;
 

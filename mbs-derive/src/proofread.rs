@@ -192,12 +192,8 @@ impl<'d> Proofreader<'d> {
                 continue;
             }
             let value = Reader::new(&self.module, &mut self.numbering, []).value(&table.expr)?;
-            if let (Meaning::Record(..), Some(elimination)) = (&value, &self.derivation.elimination) {
-                let Elimination { order, entries, rows, .. } = elimination;
-                let sizes = [order.len(), entries.len(), rows.len()].map(|size| size.to_string()).join(",");
-                if compact(&table.ty) != format!("::mbs_runtime::Elimination<{sizes}>") {
-                    return Err(format!("`{}` is of another size", table.ident));
-                }
+            if table.ident == "ELIMINATION" {
+                self.elimination(table, &value)?;
                 self.module.constants.insert(table.ident.to_string(), value);
                 continue;
             }
@@ -208,6 +204,17 @@ impl<'d> Proofreader<'d> {
             self.module.constants.insert(table.ident.to_string(), Meaning::Table(number));
         }
         Ok(())
+    }
+
+    /// The order of elimination.
+    fn elimination(&self, constant: &syn::ItemConst, value: &Meaning) -> Reading<()> {
+        let elimination = self.derivation.elimination.as_ref().ok_or("nothing is eliminated")?;
+        let Elimination { order, entries, rows, .. } = elimination;
+        let sizes = [order.len(), entries.len(), rows.len()].map(|size| size.to_string()).join(",");
+        if compact(&constant.ty) != format!("::mbs_runtime::Elimination<{sizes}>") {
+            return Err(format!("`{}` is of another size", constant.ident));
+        }
+        self.compare(value, &meaning::elimination(elimination))
     }
 
     /// The number of a spline, and how many columns it has.
@@ -381,15 +388,10 @@ impl<'d> Proofreader<'d> {
     fn body(&mut self, function: &Function, method: &syn::ImplItemFn, itself: &Meaning) -> Reading<Meaning> {
         let arguments = self.expectation.arguments(function, &mut self.numbering);
         let bound = [("self", itself.clone())].into_iter().chain(arguments);
-        let is_written = matches!(method.sig.output, syn::ReturnType::Default);
-        let storage = is_written.then(|| ("result", meaning::unwritten(function)));
-        let mut reader = Reader::new(&self.module, &mut self.numbering, bound.chain(storage));
-        let returned = reader.block(&method.block)?;
-        let written = reader.local("result").filter(|_| is_written);
-        match (written, returned) {
-            (None, returned) => Ok(returned),
-            (Some(written), Meaning::Tuple(nothing)) if nothing.is_empty() => Ok(written),
-            (Some(_), _) => Err("it returns what is not its result".to_string()),
+        let mut reader = Reader::new(&self.module, &mut self.numbering, bound);
+        match method.sig.output {
+            syn::ReturnType::Default => reader.written(&method.block, "result", meaning::unwritten(function)),
+            syn::ReturnType::Type(..) => reader.block(&method.block),
         }
     }
 

@@ -92,8 +92,8 @@ impl Shape {
     }
 }
 
-/// Whether results of these shapes take more than 64 kB as doubles: in Rust, storage of the caller is written then, and
-/// nothing is returned over the stack.
+/// Whether results of these shapes take more than 64 kB as doubles. In Rust the caller gives the storage of such a
+/// result; what is solved on the way still stands on the stack.
 pub(crate) fn is_large(shapes: impl IntoIterator<Item = Shape>) -> bool {
     shapes.into_iter().map(Shape::entries).sum::<usize>() * size_of::<f64>() > 64 * 1024
 }

@@ -56,7 +56,8 @@ pub trait Constraints<T: Real> {
 
     /// Writes the δ of least `δᵀ M δ` with `A δ = target`, and returns the rank of A. A mechanism with many rows may
     /// find δ in less time than it takes to write M and A in full. Where it returns `None`, as this default does, a
-    /// [`Projector`] finds δ from M and A.
+    /// [`Projector`] finds δ from M and A; where the rank is smaller than the number of rows, it finds out from them
+    /// which rows depend on others.
     fn least_change(&self, t: T, q: &[T], target: &[T], change: &mut [T]) -> Option<usize> {
         let _ = (t, q, target, change);
         None

@@ -63,9 +63,9 @@ fn main() {
 }
 ";
 
-/// Masses in pairs at distances: states are brought back by M and A.
-const PAIRS: &str = "
-include!(\"pairs.rs\");
+/// Masses in a row, neighbours 1 m apart: states are brought back by M and A.
+const TRAIN: &str = "
+include!(\"train.rs\");
 
 use mbs_runtime::{Projector, State};
 
@@ -75,13 +75,69 @@ fn main() {
     let q: [f64; N] = std::array::from_fn(|i| i as f64 + 0.1 * (i as f64).sin());
     let mut state = State::new(q, [0.0; N]);
     let mut projector = Projector::new(vec![0.0; Projector::<f64, Vec<f64>>::size(N, N - 1)]);
-    projector.project(&pairs::Pairs::<f64>::default(), 0.0, &mut state).unwrap();
+    projector.project(&train::Train::<f64>::default(), 0.0, &mut state).unwrap();
     let off = (1..N).map(|i| (state.q[i] - state.q[i - 1] - 1.0).abs()).fold(0.0, f64::max);
     println!(\"off by {off:e}\");
     assert!(off < 1e-12);
     // Nothing pushes the whole: the centre of mass stays.
     let moved: f64 = state.q.iter().zip(&q).map(|(a, b)| a - b).sum();
     assert!(moved.abs() < 1e-9, \"{moved}\");
+}
+";
+
+/// Rods whose lengths change in time: derivatives of accelerations against differences, both by the elimination, and
+/// inverse dynamics' against the accelerations; states on the rods.
+const RODS: &str = "
+include!(\"rods.rs\");
+
+use mbs_runtime::{Constraints, Projector, State};
+
+const N: usize = 70;
+const TIME: f64 = 0.3;
+
+fn main() {
+    let chain = rods::Rods::<f64>::default();
+    let q: [f64; N] = std::array::from_fn(|i| if i < N / 2 { 0.2 * (i + 1) as f64 } else { 0.03 * (i as f64).sin() });
+    let mut state = State::new(q, std::array::from_fn(|i| (i as f64).cos()));
+    let rows = chain.rows();
+    let mut projector = Projector::new(vec![0.0; Projector::<f64, Vec<f64>>::size(N, rows)]);
+    projector.project(&chain, TIME, &mut state).unwrap();
+    let (mut phi, mut rate) = (vec![f64::NAN; rows], vec![f64::NAN; rows]);
+    chain.position(TIME, &state.q, &mut phi);
+    chain.rate(TIME, &state.q, &state.qd, &mut rate);
+    assert!(phi.iter().chain(&rate).all(|x| x.abs() < 1e-12), \"{phi:?} {rate:?}\");
+    // M and A in full are those of the functions.
+    let (mut m, mut a) = (vec![f64::NAN; N * N], vec![f64::NAN; rows * N]);
+    Constraints::mass_matrix(&chain, TIME, &state.q, &mut m);
+    chain.jacobian(TIME, &state.q, &mut a);
+    assert_eq!(m, chain.mass_matrix(TIME, &state.q).as_flattened());
+    assert_eq!(a, chain.constraint_jacobian(TIME, &state.q).as_flattened());
+    let zeros = mbs_runtime::Linearization { q: [[f64::NAN; N]; N], qd: [[f64::NAN; N]; N], u: [[]; N] };
+    let mut found = zeros;
+    chain.linearize(TIME, &state.q, &state.qd, &mut found);
+    let (h, mut off) = (1e-6, 0.0_f64);
+    for column in 0..N {
+        let at = |change: f64, of_rates: bool| {
+            let (mut q, mut qd) = (state.q, state.qd);
+            if of_rates { qd[column] += change } else { q[column] += change }
+            chain.forward_dynamics(TIME, &q, &qd)
+        };
+        for (of_rates, found) in [(false, &found.q), (true, &found.qd)] {
+            let (after, before) = (at(h, of_rates), at(-h, of_rates));
+            for row in 0..N {
+                let slope = (after[row] - before[row]) / (2.0 * h);
+                assert!(found[row][column].is_finite());
+                off = off.max((found[row][column] - slope).abs() / (1.0 + slope.abs()));
+            }
+        }
+    }
+    println!(\"off by {off:e}\");
+    assert!(off < 1e-4);
+    // In single precision.
+    let single = rods::Rods::<f32>::default().forward_dynamics(TIME as f32, &state.q.map(|x| x as f32), &state.qd.map(|x| x as f32));
+    let double = chain.forward_dynamics(TIME, &state.q, &state.qd);
+    let size = double.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+    assert!(single.iter().zip(double).all(|(a, b)| (f64::from(*a) - b).abs() < 1e-3 * size), \"{single:?}\");
 }
 ";
 
@@ -102,12 +158,30 @@ fn a_mass_matrix_larger_than_the_stack_is_written_to_storage() {
 
 #[test]
 fn states_are_projected_with_matrices_in_storage() {
-    let pairs = "mechanism Pairs {
+    let train = "mechanism Train {
         const n = 120;
         coord x[n]: m;
         for i in 0..n { kinetic += 0.1 kg*dt(x[i])^2/2; }
         for i in 1..n { constraint distance[i - 1]: x[i] - x[i - 1] = 1; }
     }";
     let functions = ["mass_matrix", "constraint", "constraint_rate", "constraint_jacobian"];
-    run("pairs", pairs, &functions, PAIRS);
+    run("train", train, &functions, TRAIN);
+}
+
+#[test]
+fn linearizations_by_elimination_are_written_to_storage() {
+    let rods = "mechanism Rods {
+        const n = 35;
+        const m: kg = 0.1; const l: m = 0.2; const g: m/s^2 = 9.81;
+        coord x[n]: m; coord y[n]: m;
+        let length = l*(1 + sin(2 rad/s*t)/10);
+        for i in 0..n {
+            kinetic += particle(m, [x[i], y[i], 0]);
+            potential += m*g*y[i];
+            constraint rod[i]: ((x[i] - if i > 0 { x[i - 1] } else { 0 })^2 + (y[i] - if i > 0 { y[i - 1] } else { 0 })^2 - length^2)/2 = 0;
+        }
+    }";
+    let functions =
+        ["forward_dynamics", "linearize", "mass_matrix", "constraint", "constraint_rate", "constraint_jacobian"];
+    run("rods", rods, &functions, RODS);
 }

@@ -83,7 +83,7 @@ fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
             *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { *size };
         }
         projector.project(&equations, 0.0, &mut motion).ok()?;
-        equations.rank(&motion.q).or_else(|| projector.rank(&equations, 0.0, &motion.q, |_| ()).ok())
+        projector.rank(&equations, 0.0, &motion.q, |_| ()).ok()
     });
     Ok(ranks.min())
 }

@@ -19,7 +19,7 @@ pub struct Digest(u128);
 impl Digest {
     /// Of several parts, with their lengths, so that none can be taken for another.
     pub fn of<'p>(parts: impl IntoIterator<Item = &'p [u8]>) -> Self {
-        Self::finished(parts.into_iter().fold(BEGIN, with))
+        Self::finished(parts.into_iter().fold(BEGIN, absorbed))
     }
 
     /// Twice more, so that every bit of the last block reaches all bits.
@@ -45,7 +45,7 @@ impl Digest {
             if part.is_empty() {
                 return Ok(Self::finished(state));
             }
-            state = with(state, &part);
+            state = absorbed(state, &part);
         }
     }
 
@@ -70,7 +70,7 @@ impl Digest {
 }
 
 /// A part and its length, behind those that came before.
-fn with(state: u128, part: &[u8]) -> u128 {
+fn absorbed(state: u128, part: &[u8]) -> u128 {
     let (blocks, rest) = part.as_chunks::<16>();
     let state =
         blocks.iter().fold(mixed(state, part.len() as u128), |state, block| mixed(state, u128::from_le_bytes(*block)));

@@ -171,7 +171,7 @@ pub(super) struct Names {
     pub(super) functions: Vec<String>,
     /// A private method, which gives way to an output of its name.
     pub(super) constrained_motion: String,
-    /// The function of what is not zero of M and A, where they are eliminated in a known order.
+    /// The function of the entries of M and A that are not zero, where they are eliminated in a known order.
     pub(super) constrained_system: String,
     /// A local: what the columns of a linearization are measured by.
     pub(super) scale: String,

@@ -373,8 +373,8 @@ impl<'d> Walk<'d> {
         }
     }
 
-    /// The lines that compute what is not zero of M and A, and those entries, of a system that is eliminated in a known
-    /// order.
+    /// The lines that compute the entries of M and A that are not zero, and those entries, of a system that is
+    /// eliminated in a known order.
     pub(super) fn entries(&self, forward_dynamics: &Function, syntax: &dyn Syntax) -> (Vec<String>, Vec<String>) {
         let mut components = shape::components(self.derivation, forward_dynamics, false);
         components.truncate(self.derivation.matrix_entries());

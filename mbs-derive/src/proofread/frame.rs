@@ -1,6 +1,8 @@
 //! What stands around functions: types, signatures, traits, constants. It is written once more from the derivation,
 //! with the identifiers that the text has where they spell the names of the declaration, and compared line by line.
 
+mod constraints;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::{ToTokens, quote};
 use syn::ext::IdentExt;
@@ -274,7 +276,7 @@ impl Frame<'_> {
             let [n, rows] = [self.derivation.dof(), self.derivation.constraints.len()].map(Literal::usize_unsuffixed);
             quote!(fn #name(&self, #arguments) -> ([T; #n], [T; #rows]) {})
         });
-        let system = self.system.zip(self.derivation.elimination.as_ref()).map(|(name, elimination)| {
+        let system = self.needed_system().zip(self.derivation.elimination.as_ref()).map(|(name, elimination)| {
             let time = self.derivation.depends_on_time.then(|| quote!(t: T,));
             let (q, entries) = (self.argument(Argument::Q), several(&quote!(T), elimination.entries.len()));
             quote!(fn #name(&self, #time #q) -> #entries {})
@@ -430,84 +432,6 @@ impl Frame<'_> {
         }
     }
 
-    /// What the runtime's `Projector` asks for.
-    fn constraints(&self) -> TokenStream {
-        let rows = self.find(FunctionKind::Constraint).zip(self.find(FunctionKind::ConstraintRate));
-        let Some((position, rate)) = rows.filter(|_| self.derivation.prescribed.is_empty()) else {
-            return TokenStream::new();
-        };
-        let [n, k] = [self.derivation.dof(), self.derivation.constraints.len()];
-        let expected = format!("{n} coordinates");
-        let [n, rows] = [n, k].map(Literal::usize_unsuffixed);
-        let sized = |slice: &str| {
-            let slice = identifier(slice);
-            quote!(let #slice = #slice.first_chunk::<#n>().expect(#expected);)
-        };
-        let (q, qd) = (sized("q"), sized("qd"));
-        let written = |function: (&Function, &Ident), slice: &str| {
-            let (slice, shape) = (identifier(slice), function.0.results[0].shape);
-            let (expected, is_vector) = (shape.to_string(), matches!(shape, Shape::Vector(_)));
-            let rows = (!is_vector).then(|| quote!(.as_chunks_mut().0));
-            let whole = quote!(#slice #rows.first_chunk_mut().expect(#expected));
-            let call = self.call(function, false, is_written(function.0).then_some(whole));
-            match (is_written(function.0), is_vector) {
-                (true, _) => quote!(#call;),
-                (false, true) => quote!(#slice.copy_from_slice(&#call);),
-                (false, false) => quote!(#slice.copy_from_slice(#call.as_flattened());),
-            }
-        };
-        let (position, rate) = (written(position, "phi"), written(rate, "rate"));
-        let by_functions = || self.find(FunctionKind::MassMatrix).zip(self.find(FunctionKind::ConstraintJacobian));
-        let (mass_matrix, jacobian, least_change) = match (self.system, by_functions()) {
-            (Some(system), _) => {
-                let time = self.derivation.depends_on_time.then(|| quote!(t,));
-                let (entries, expected) = (quote!(self.#system(#time q)), format!("{k} rows"));
-                let least_change = quote! {
-                    fn least_change(
-                        &self, t: T, q: &[T], target: &[T], change: &mut [T]
-                    ) -> ::core::option::Option<usize> {
-                        #q
-                        let target = target.first_chunk::<#rows>().expect(#expected);
-                        let (least, rank): ([T; #n], usize) =
-                            ::mbs_runtime::sparse_least_change(&ELIMINATION, #entries, *target)?;
-                        change.copy_from_slice(&least);
-                        ::core::option::Option::Some(rank)
-                    }
-                };
-                let mass_matrix = quote!(ELIMINATION.write_mass_matrix(&#entries, m););
-                (mass_matrix, quote!(ELIMINATION.write_jacobian(&#entries, #n, a);), Some(least_change))
-            }
-            (None, Some((mass_matrix, jacobian))) => (written(mass_matrix, "m"), written(jacobian, "a"), None),
-            (None, None) => return TokenStream::new(),
-        };
-        let (name, holonomic) = (self.mechanism, &self.derivation.holonomic);
-        quote! {
-            impl<T: ::mbs_runtime::Real> ::mbs_runtime::Constraints<T> for #name<T> {
-                fn rows(&self) -> usize { #rows }
-                fn is_holonomic(&self, row: usize) -> bool { [#(#holonomic),*][row] }
-                fn mass_matrix(&self, t: T, q: &[T], m: &mut [T]) {
-                    #q
-                    #mass_matrix
-                }
-                fn position(&self, t: T, q: &[T], phi: &mut [T]) {
-                    #q
-                    let qd = &[T::zero(); #n];
-                    #position
-                }
-                fn rate(&self, t: T, q: &[T], qd: &[T], rate: &mut [T]) {
-                    #q
-                    #qd
-                    #rate
-                }
-                fn jacobian(&self, t: T, q: &[T], a: &mut [T]) {
-                    #q
-                    #jacobian
-                }
-                #least_change
-            }
-        }
-    }
-
     fn constants(&self, [coordinates, inputs]: &[Vec<Ident>; 2]) -> TokenStream {
         let coordinates = indices("coordinate", coordinates, &self.derivation.coordinates);
         let inputs = indices("input", inputs, &self.derivation.inputs);
@@ -561,7 +485,7 @@ fn several(of: &TokenStream, count: usize) -> TokenStream {
 }
 
 /// Whether a function writes its result to storage of the caller.
-pub(super) fn is_written(function: &Function) -> bool {
+fn is_written(function: &Function) -> bool {
     is_large(function.results.iter().map(|part| part.shape))
 }
 

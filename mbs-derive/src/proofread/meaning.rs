@@ -334,11 +334,15 @@ impl<'d> Expectation<'d> {
 
 /// The order of an elimination, and the entries of its system.
 fn sparse(elimination: &Elimination, entries: &[Number]) -> [Meaning; 2] {
+    [self::elimination(elimination), in_shape(Shape::Vector(entries.len()), entries)]
+}
+
+/// The order of an elimination.
+pub(super) fn elimination(elimination: &Elimination) -> Meaning {
     let Elimination { order, starts, rows, places, .. } = elimination;
     let integers = |numbers: &[usize]| Meaning::list(numbers.iter().copied().map(Meaning::Integer));
     let tables = [("order", order.as_slice()), ("ends", &starts[1..]), ("rows", rows), ("places", places)];
-    let tables = tables.map(|(name, numbers)| (name, integers(numbers)));
-    [Meaning::record("mbs_runtime::Elimination", tables), in_shape(Shape::Vector(entries.len()), entries)]
+    Meaning::record("mbs_runtime::Elimination", tables.map(|(name, numbers)| (name, integers(numbers))))
 }
 
 /// The parts of a function's result as it returns them.
@@ -356,7 +360,7 @@ fn assembled(function: &Function, mut parts: Vec<Meaning>) -> Meaning {
 
 /// A result in storage of the caller, of which nothing is written.
 pub(super) fn unwritten(function: &Function) -> Meaning {
-    let mut nothing = std::iter::repeat_with(|| Meaning::Path("nothing".to_string()));
+    let mut nothing = std::iter::repeat(Meaning::Tuple([].into()));
     assembled(function, function.results.iter().map(|part| shaped(part.shape, &mut nothing)).collect())
 }
 

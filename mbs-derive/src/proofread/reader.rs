@@ -48,6 +48,8 @@ pub(super) struct Reader<'r> {
     shadowed: Vec<(String, Option<usize>)>,
     /// The locals before this one are not a closure's own.
     outer: usize,
+    /// The local that is written for the caller, and nowhere read.
+    storage: Option<usize>,
     /// What was asked of parameters, in order: the function of the runtime and its arguments.
     pub(super) required: Vec<Meaning>,
 }
@@ -59,7 +61,7 @@ impl<'r> Reader<'r> {
         bound: impl IntoIterator<Item = (&'a str, Meaning)>,
     ) -> Self {
         let (names, locals, shadowed, required) = (HashMap::new(), Vec::new(), Vec::new(), Vec::new());
-        let mut reader = Reader { module, numbering, names, locals, shadowed, outer: 0, required };
+        let mut reader = Reader { module, numbering, names, locals, shadowed, outer: 0, storage: None, required };
         bound.into_iter().for_each(|(name, meaning)| reader.define(name.to_string(), Some(meaning)));
         reader
     }
@@ -156,9 +158,13 @@ impl<'r> Reader<'r> {
         self.locals.push(meaning);
     }
 
-    /// What a name means that was bound before the block that was read.
-    pub(super) fn local(&self, name: &str) -> Option<Meaning> {
-        self.names.get(name).and_then(|&local| self.locals[local].clone())
+    /// Reads a block that writes to storage of the caller, of this name and with nothing written; what is there then.
+    pub(super) fn written(&mut self, block: &Block, name: &str, unwritten: Meaning) -> Reading<Meaning> {
+        let local = self.locals.len();
+        self.define(name.to_string(), Some(unwritten));
+        self.storage = Some(local);
+        self.block(block).and_then(nothing)?;
+        self.locals[local].clone().ok_or_else(|| format!("`{name}` is not written"))
     }
 
     /// Gives the names of a pattern their meaning.
@@ -325,6 +331,9 @@ impl<'r> Reader<'r> {
     fn path(&mut self, path: &syn::Path) -> Reading<Meaning> {
         let name = path_of(path);
         if let Some(&local) = self.names.get(&name) {
+            if Some(local) == self.storage {
+                return Err(format!("`{name}` is read"));
+            }
             let known = self.locals[local].clone();
             return known.ok_or_else(|| format!("`{name}` is read before it has a value"));
         }

@@ -292,3 +292,72 @@ fn a_report_says_where_and_what() {
     assert_eq!(report("k: T::from_f64(4.0)", "k: T::from_f64(4.5)"), "default: `k`: `4.5` instead of `4.0`");
     assert_eq!(report("[k * x]", "[k % x]"), "gravity: `k % x` cannot be read");
 }
+
+/// A row of masses with rods between neighbours, whose system is eliminated in a known order.
+fn eliminated() -> Derivation {
+    let text = "mechanism Train { const n = 52; param k: N/m = 3; coord x[n]: m; potential += k*x[0]^2/2;
+        for i in 0..n { kinetic += 2 kg*dt(x[i])^2/2; }
+        for i in 1..n { constraint rod[i - 1]: x[i]^2/(1 m) - x[i - 1] = 1 m*sin(2 rad/s*t); } }";
+    let derivation = derived(Path::new("train.mbs"), text.to_string());
+    assert!(derivation.elimination.is_some());
+    derivation
+}
+
+#[test]
+fn damaged_texts_with_an_order_of_elimination_are_refused() {
+    let (derivation, functions) = (eliminated(), ["constraint", "constraint_rate", "forward_dynamics"]);
+    let options = Options::default().functions(functions);
+    check(&derivation, &options);
+    let refused = damage(&derivation, &options);
+    assert!(refused.values().sum::<usize>() > DAMAGES / 4, "{refused:?}");
+    // Another order that nothing but a trait uses, and a module without the trait.
+    let code = emitted(&derivation, &options);
+    let is_read = |code: &str| derivation.proofread(Language::Rust, &options, code).is_ok();
+    let wrong = code.replacen("0, 51, 1, 52, 2,", "1, 51, 0, 52, 2,", 1);
+    let [right, other] = [&code, &code.replacen("const ELIMINATION", "const OTHER", 1)].map(|code| is_read(code));
+    assert!(right && !other && wrong != code && !is_read(&wrong));
+    let shadowed = wrong.replace("sparse_solve(\n                &ELIMINATION", "sparse_solve(&OTHER");
+    let second = code
+        [code.find("const ELIMINATION").expect("a constant")..code.find("/// Parameters").expect("a struct")]
+        .replace("ELIMINATION", "OTHER");
+    assert!(shadowed != wrong && !is_read(&shadowed.replacen("/// Parameters", &format!("{second}/// Parameters"), 1)));
+    let begin = code.find("impl<T: ::mbs_runtime::Real>").expect("an implementation");
+    let end = begin + code[begin..].find("\n    }\n").expect("its end") + 6;
+    assert!(!is_read(&format!("{}{}", &code[..begin], &code[end..])));
+}
+
+/// Nothing may stand in storage of the caller but the result, and what is there is not read.
+#[test]
+fn damaged_results_in_storage_are_refused() {
+    let text = "mechanism Row { const n = 92; coord x[n]: m; kinetic += 3 kg*dt(x[0])^2/2;
+        for i in 1..n { kinetic += 2 kg*(dt(x[i]) + dt(x[i - 1]))^2/2; } }";
+    let derivation = derived(Path::new("row.mbs"), text.to_string());
+    let options = Options::default().functions(["mass_matrix", "inverse_dynamics"]);
+    check(&derivation, &options);
+    let code = emitted(&derivation, &options);
+    let end = code.find("pub fn inverse_dynamics").expect("the next function");
+    let last = code[..end].rfind("];").expect("the last row") + 2;
+    let first = code.find("result[0] = [").expect("the first row");
+    let second = code.find("result[1] = [").expect("the second row");
+    let damages = [
+        format!("{}{}", &code[..first], &code[second..]),
+        code.replacen("result[1] = [", "result[0] = [", 1),
+        code.replacen("result[91] = [", "result[92] = [", 1),
+        code.replacen("result: &mut [[T; 92]; 92]", "result: &mut [[T; 92]; 93]", 1),
+    ];
+    let behind = [
+        "let copy = result; copy[0][0] = zero;",
+        "for row in result { row[0] = zero; }",
+        "let [first, ..] = result; first[0] = zero;",
+        "result[0][0] = zero;",
+        "*result = [[zero; 92]; 92];",
+        "result[0][1] = result[0][0];",
+        "zero",
+    ];
+    let damages = damages.into_iter().chain(behind.map(|text| format!("{}{text}{}", &code[..last], &code[last..])));
+    for (number, damaged) in damages.enumerate() {
+        assert!(syn::parse_file(&damaged).is_ok() && damaged != code, "{number}");
+        let read = derivation.proofread(Language::Rust, &options, &damaged);
+        assert!(matches!(read, Err(Failure::Misprint { .. })), "{number}: {read:?}");
+    }
+}

@@ -51,9 +51,10 @@ const LOOSEST: f64 = 1e-3;
 /// How often what is left is solved for at most.
 const ROUNDS: usize = 25;
 
-/// What is left of a row that depends on others, as a share of what its multiplier moves: of its length a
-/// ten-thousandth.
-const DEPENDENT: f64 = 1e-8;
+/// No more than this share of what its multiplier moves is left of a row that depends on others, and no more than
+/// twice the square root of the share by which rows may be off: of rows that are parallel but for an angle `ε` a third
+/// one is off by that share over `ε²`.
+const DEPENDENT: f64 = 1e-5;
 
 /// In which order the unknowns of a symmetric system are eliminated, and where its entries are, as the generator has
 /// found it: of `U` unknowns, accelerations and behind them multipliers, `E` entries that are not zero, and `L` below
@@ -75,9 +76,12 @@ pub struct Elimination<const U: usize, const E: usize, const L: usize> {
 }
 
 impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
-    /// Writes M in full, row by row: `m` has `N²` numbers of it. What is written of A is nothing.
-    pub fn write_mass_matrix<T: Scalar>(&self, entries: &[T; E], m: &mut [T]) {
-        let n = m.len().isqrt();
+    /// Writes M in full, row by row, to `m`, which has `N²` numbers; entries of A are left out.
+    ///
+    /// # Panics
+    /// If `m` has fewer numbers.
+    pub fn write_mass_matrix<T: Scalar>(&self, entries: &[T; E], coordinates: usize, m: &mut [T]) {
+        let n = coordinates;
         m.fill(T::zero());
         for ([i, j], entry) in self.unknowns().zip(entries) {
             if i < n {
@@ -86,7 +90,10 @@ impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
         }
     }
 
-    /// Writes A in full, row by row, of as many coordinates: `a` has a number of it for each row and coordinate.
+    /// Writes A in full, row by row, to `a`, which has `K·N` numbers; entries of M are left out.
+    ///
+    /// # Panics
+    /// If `a` has fewer numbers.
     pub fn write_jacobian<T: Scalar>(&self, entries: &[T; E], coordinates: usize, a: &mut [T]) {
         a.fill(T::zero());
         for ([i, j], entry) in self.unknowns().zip(entries) {
@@ -96,7 +103,7 @@ impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
         }
     }
 
-    /// The unknowns that each entry couples, the first not before the second.
+    /// The two unknowns that each entry couples, the greater first.
     fn unknowns(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
         self.places.iter().map(|&place| {
             let [row, column] = match (place as usize).checked_sub(U) {
@@ -173,8 +180,8 @@ pub fn sparse_slopes<
 /// The δ of least `δᵀ M δ` with `A δ = target`, and the rank of A, as [`Constraints::least_change`] gives them; `None`
 /// where [`sparse_solve`] is NaN.
 ///
-/// The arguments are those of [`sparse_solve`]. A row depends on others where they leave less than a ten-thousandth of
-/// its length in the metric of M.
+/// The arguments are those of [`sparse_solve`]. Rows count as dependent where they are parallel to others but for an
+/// angle of 3e-3 (0.15 for `f32`) in the metric of M: a rank of all rows is certain, a smaller one is not.
 ///
 /// ```
 /// use mbs_runtime::{Elimination, sparse_least_change};
@@ -193,9 +200,9 @@ pub fn sparse_least_change<T: Real, const N: usize, const K: usize, const U: usi
 ) -> Option<([T; N], usize)> {
     let factors = Factors::new(elimination, N, &entries);
     let (change, _) = factors.solve(elimination, &[T::zero(); N], &target);
-    let least = T::from_f64(DEPENDENT.max(2.0 * SHARE * T::ROUNDING));
+    let least = T::from_f64(DEPENDENT.max(2.0 * (SHARE * T::ROUNDING).sqrt()));
     let is_dependent = |&(_, (&reciprocal, &weight)): &(&u16, (&T, &T))| {
-        !(T::zero() < weight) || -T::one() / reciprocal <= least * (weight * weight)
+        weight <= T::zero() || -T::one() / reciprocal <= least * (weight * weight)
     };
     let steps = elimination.order.iter().zip(factors.reciprocals.iter().zip(&factors.weights));
     let dependent = steps.filter(|(unknown, _)| usize::from(**unknown) >= N).filter(is_dependent).count();
@@ -408,7 +415,7 @@ mod tests {
     fn matrices_are_written_in_full_and_changes_are_the_least() {
         let (m, a) = full(ENTRIES);
         let (mut written, mut rows) = ([f64::NAN; 9], [f64::NAN; 6]);
-        ELIMINATION.write_mass_matrix(&ENTRIES, &mut written);
+        ELIMINATION.write_mass_matrix(&ENTRIES, 3, &mut written);
         ELIMINATION.write_jacobian(&ENTRIES, 3, &mut rows);
         let lower = |i: usize, j: usize| m[i.max(j)][i.min(j)];
         assert!((0..9).all(|k| written[k].to_bits() == lower(k / 3, k % 3).to_bits()), "{written:?}");
@@ -423,6 +430,20 @@ mod tests {
         assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.1]).map(|(_, rank)| rank), Some(1));
         assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.3]), None);
         assert_eq!(found([0.0, 0.0, 0.75, 2.0], [0.0, 0.1]).map(|(_, rank)| rank), Some(1));
+        // The third row is the sum of the others, which are parallel but for an angle of 7e-5 to 7e-2: their pivots leave
+        // of it what rows may be off by, many times over.
+        let three = Elimination {
+            order: &[0, 1, 2, 3, 4],
+            ends: &[3, 6, 8, 9, 9],
+            rows: &[2, 3, 4, 2, 3, 4, 3, 4, 4],
+            places: &[0, 1, 5, 8, 6, 9, 7, 10],
+        };
+        for angle in [1e-4, 1e-3, 3e-3, 1e-2, 1e-1] {
+            let entries = [1.0, 1.0, 1.0, 0.0, 1.0, angle, 2.0, angle];
+            let (change, rank): ([f64; 2], _) = sparse_least_change(&three, entries, [0.5, 0.5, 1.0]).unwrap();
+            assert!(rank < 3, "{angle}: {rank}");
+            assert!((change[0] - 0.5).abs() < 1e-10 && change[1].abs() < 1e-10 / angle, "{angle}: {change:?}");
+        }
         // In single precision as well.
         let single = with([0.0, 1.5, 0.75, 0.0]).map(|x| x as f32);
         let (_, rank) = sparse_least_change::<f32, 3, 2, 5, 9, 7>(&ELIMINATION, single, [0.2, 0.1]).unwrap();

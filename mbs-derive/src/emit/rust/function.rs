@@ -24,7 +24,7 @@ impl Module<'_> {
         quote!(#(#functions)* #system)
     }
 
-    /// What is not zero of M and A, where `Constraints` asks for that.
+    /// The function of the entries of M and A that are not zero, where `Constraints` needs it.
     fn entries_of_the_system(&self) -> Option<TokenStream> {
         let (_, forward_dynamics) = traits::eliminated(&self.walk)?;
         let (lines, entries) = self.walk.entries(forward_dynamics, &self.with("self.params"));
@@ -35,7 +35,7 @@ impl Module<'_> {
         let (arguments, result) = (self.arguments(&arguments), array(quote!(T), entries.len()));
         let body = tokens(&format!("{}\n{}", lines.join("\n"), array_of(&entries)));
         Some(quote! {
-            /// What is not zero of the lower triangle of M, and of A.
+            /// The entries of M's lower triangle and of A that are not zero.
             fn #name(&self, #(#arguments),*) -> #result {
                 #body
             }
@@ -48,8 +48,10 @@ impl Module<'_> {
         let arguments = self.arguments(&routine.arguments);
         let (result, body) = (self.result_type(routine.kind, &shapes(routine)), tokens(&self.body(routine)));
         if is_written(routine) {
-            let note =
-                doc::attributes(&[String::new(), "Writes to `result`, which takes more than 64 kB.".to_string()]);
+            let note = doc::attributes(&[
+                String::new(),
+                "Writes to `result`, which takes more than 64 kB in `f64`.".to_string(),
+            ]);
             return quote! {
                 #docs
                 #note

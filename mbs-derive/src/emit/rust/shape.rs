@@ -45,9 +45,7 @@ pub(super) fn written(place: &str, shape: Shape, values: &[String]) -> String {
         Shape::Poses(n) => (n, Shape::Pose),
         Shape::Wrenches(n) => (n, Shape::Wrench),
         Shape::Vector(n) => (n, Shape::Scalar),
-        Shape::Scalar | Shape::Pose | Shape::Wrench => {
-            return format!("{place} = {};", shaped(shape, &mut values.iter()));
-        }
+        Shape::Scalar | Shape::Pose | Shape::Wrench => unreachable!("{shape} takes little storage"),
     };
     let mut values = values.iter();
     (0..rows).map(|i| format!("{place}[{i}] = {};\n", shaped(row, &mut values))).collect()

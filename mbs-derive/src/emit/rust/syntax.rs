@@ -54,7 +54,7 @@ pub(super) fn unmarked(line: &str) -> String {
 
 /// Whether a line of the formatted text begins a table of numbers.
 pub(super) fn opens_table(line: &str) -> bool {
-    line.trim_start().starts_with("static ") && line.ends_with("= [") || line.ends_with(": &[")
+    line.trim_start().starts_with("static ") && line.ends_with("= [")
 }
 
 /// Writes a number of a table that begins with the line `begin` behind the one before, where there is room; whether it

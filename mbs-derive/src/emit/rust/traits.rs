@@ -189,7 +189,7 @@ impl Module<'_> {
         let [mass_matrix, jacobian] = match matrices {
             Matrices::Functions([mass_matrix, jacobian]) => [written(mass_matrix, "m"), written(jacobian, "a")],
             Matrices::Entries => [
-                quote!(ELIMINATION.write_mass_matrix(&#system, m);),
+                quote!(ELIMINATION.write_mass_matrix(&#system, #n, m);),
                 quote!(ELIMINATION.write_jacobian(&#system, #n, a);),
             ],
         };
