@@ -117,6 +117,19 @@ impl Product {
         Some(rest)
     }
 
+    fn without_pair(&self, [a, b]: [Factor; 2]) -> Option<Product> {
+        self.without(a).and_then(|rest| rest.without(b))
+    }
+
+    /// All pairs of its factors, each once.
+    fn pairs(&self) -> Vec<[Factor; 2]> {
+        let behind = |(i, &a): (usize, &Factor)| self.factors[i + 1..].iter().map(move |&b| [a, b]);
+        let mut pairs: Vec<[Factor; 2]> = self.factors.iter().enumerate().flat_map(behind).collect();
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
     fn with(mut self, factor: Factor) -> Product {
         let at = self.factors.partition_point(|&other| other < factor);
         self.factors.insert(at, factor);
@@ -202,27 +215,21 @@ impl<'g> Sheet<'g> {
 
     /// Gives a name to the pair of factors that most products have, as long as there is one that two have.
     fn share(&mut self) {
-        while let Some(pair) = self.most_common_pair() {
+        let mut counts: BTreeMap<[Factor; 2], usize> = BTreeMap::new();
+        let pairs = self.sums.iter().flatten().flat_map(Product::pairs);
+        pairs.for_each(|pair| *counts.entry(pair).or_insert(0) += 1);
+        while let Some(pair) = first_most_frequent(counts.iter().map(|(pair, count)| (*pair, *count))) {
             let name = Factor::Pair(self.pairs.len());
             self.pairs.push(pair);
-            for product in self.sums.iter_mut().flatten() {
-                while let Some(rest) = product.without(pair[0]).and_then(|rest| rest.without(pair[1])) {
+            for product in self.sums.iter_mut().flatten().filter(|product| product.without_pair(pair).is_some()) {
+                product.pairs().into_iter().for_each(|pair| *counts.entry(pair).or_insert(0) -= 1);
+                while let Some(rest) = product.without_pair(pair) {
                     *product = rest.with(name);
                 }
+                product.pairs().into_iter().for_each(|pair| *counts.entry(pair).or_insert(0) += 1);
             }
+            counts.retain(|_, count| *count > 0);
         }
-    }
-
-    fn most_common_pair(&self) -> Option<[Factor; 2]> {
-        let mut counts: BTreeMap<[Factor; 2], usize> = BTreeMap::new();
-        for product in self.sums.iter().flatten() {
-            let mut pairs = BTreeSet::new();
-            for (i, &a) in product.factors.iter().enumerate() {
-                pairs.extend(product.factors[i + 1..].iter().map(|&b| [a, b]));
-            }
-            pairs.into_iter().for_each(|pair| *counts.entry(pair).or_insert(0) += 1);
-        }
-        first_most_frequent(counts.into_iter())
     }
 
     fn expressions(&self) -> Vec<Expr<'g>> {
