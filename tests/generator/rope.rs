@@ -126,7 +126,7 @@ fn main() {
 ";
 
 /// Compiles what is generated for a mechanism beside a program, and runs it; what it prints.
-fn run(name: &str, mechanism: &str, functions: &[&str], program: &str) -> String {
+pub(super) fn run(name: &str, mechanism: &str, functions: &[&str], program: &str) -> String {
     let file = format!("{name}.mbs");
     let options = mbs_derive::emit::Options::default().functions(functions.iter().copied());
     let generated = mbs_derive::generate(&file, mechanism, &options);

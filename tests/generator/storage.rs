@@ -162,7 +162,7 @@ fn states_are_projected_with_matrices_in_storage() {
         const n = 120;
         coord x[n]: m;
         for i in 0..n { kinetic += 0.1 kg*dt(x[i])^2/2; }
-        for i in 1..n { constraint distance[i - 1]: x[i] - x[i - 1] = 1; }
+        for i in 1..n { constraint distance[i - 1]: x[i] - x[i - 1] = 1 m; }
     }";
     let functions = ["mass_matrix", "constraint", "constraint_rate", "constraint_jacobian"];
     run("train", train, &functions, TRAIN);
