@@ -246,8 +246,8 @@ impl Mechanism {
     }
 }
 
-/// Of a chain of more coordinates than this, and of a mechanism whose M and A couple little, only the dynamics is derived
-/// unless functions are asked for.
+/// Of a chain of more coordinates than this, and of a mechanism whose M and A couple little, only the dynamics is
+/// derived unless functions are asked for.
 const MANY_COORDINATES: usize = 100;
 
 /// What is not derived of a mechanism: where nothing is asked for, and there are many coordinates, all whose length

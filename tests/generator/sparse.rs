@@ -257,3 +257,72 @@ fn rows_that_depend_on_others_wherever_they_hold_are_solved() {
         );
     });
 }
+
+/// A chain of particles on rods that hangs at rest: nothing is accelerated, and rod i holds all that is below it,
+/// `λ = −(n − i) m g/(2 l)` with rows `Δx² + Δy² = l²`.
+#[test]
+fn a_chain_that_hangs_at_rest_has_tensions() {
+    for (n, l) in [(33, 0.1), (34, 0.1), (40, 0.125), (60, 1.0), (100, 0.1)] {
+        let text = format!(
+            "mechanism Hanging {{
+                const n = {n}; const l: m = {l:?}; param m: kg = 0.3; param g: m/s^2 = 9.81;
+                coord x[n]: m; coord y[n]: m;
+                for i in 0..n {{ kinetic += m*(dt(x[i])^2 + dt(y[i])^2)/2; potential += m*g*y[i]; }}
+                constraint top: x[0]^2 + y[0]^2 = l^2;
+                for i in 1..n {{ constraint rod[i - 1]: (x[i] - x[i - 1])^2 + (y[i] - y[i - 1])^2 = l^2; }}
+            }}"
+        );
+        with_analysis(&text, |analysis| {
+            let programs = analysis.programs();
+            assert_eq!(programs.elimination.is_some(), 3 * n > 100);
+            let y = (1..=n).map(|i| -l * i as f64);
+            let state =
+                State { q: std::iter::repeat_n(0.0, n).chain(y).collect(), qd: vec![0.0; 2 * n], ..State::default() };
+            let interpreter = Interpreter::<f64>::new(programs);
+            let accelerations = interpreter.call(FunctionKind::ForwardDynamics, &state).expect("accelerations");
+            // As much as is rounded of 9.81 times as many links.
+            assert!(accelerations.iter().all(|a| a.abs() < 1e-11), "{n}: {accelerations:?}");
+            let multipliers = interpreter.call(FunctionKind::Multipliers, &state).expect("multipliers");
+            for (i, found) in multipliers.iter().enumerate() {
+                let expected = -((n - i) as f64) * 0.3 * 9.81 / (2.0 * l);
+                assert!((found - expected).abs() < 1e-10 * expected.abs(), "{n}, {i}: {found} {expected}");
+            }
+        });
+    }
+}
+
+/// Of 65 unknowns rounding is bounded by pivots, and where these do not tell, in full.
+#[test]
+fn few_rows_beside_many_coordinates_are_proved() {
+    let text = "mechanism Few {
+        const n = 62; coord x[n]: m;
+        for i in 0..n { kinetic += 1/2*1 kg*dt(x[i])^2; potential += 1/2*3 N/m*x[i]^2; }
+        for i in 0..3 { constraint c[i]: x[i]^2/(1 m) + x[i + 1] = 0.1 m; }
+    }";
+    with_analysis(text, |analysis| {
+        let proof = analysis.prove(analysis.programs());
+        assert!(proof.is_ok(), "{proof:?}");
+    });
+}
+
+/// Derivatives of long chains with constraints are loops over links that read multipliers.
+#[test]
+fn loops_of_links_read_multipliers() {
+    let text = "mechanism Tied {
+        const n = 12; coord q[n]: rad; param m: kg = 1; param l: m = 0.1;
+        let mut joint = world.origin();
+        for i in 0..n {
+            let along = [l*sin(q[i]), 0, -l*cos(q[i])];
+            kinetic += particle(m, joint + along/2) + 1/2*m*l^2/12*dt(q[i])^2;
+            joint = joint + along;
+        }
+        constraint end: joint.x = l;
+    }";
+    with_analysis(text, |analysis| {
+        let (programs, options) = (analysis.programs(), Options::default());
+        let code = Language::Rust.write(programs, "tied.mbs", &options);
+        let read = programs.proofread(Language::Rust, &options, &code);
+        assert!(read.is_ok(), "{read:?}");
+        assert!(code.contains("multipliers["), "no loop reads them");
+    });
+}

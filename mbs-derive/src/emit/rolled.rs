@@ -411,6 +411,7 @@ fn argument(symbol: Symbol) -> Option<(&'static str, i64)> {
         Symbol::Velocity(i) => Some(("qd", i64::from(i))),
         Symbol::Acceleration(i) => Some(("qdd", i64::from(i))),
         Symbol::Input(i) => Some(("u", i64::from(i))),
-        Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..) | Symbol::Multiplier(_) => None,
+        Symbol::Multiplier(i) => Some(("multipliers", i64::from(i))),
+        Symbol::Time | Symbol::Parameter(_) | Symbol::Prescribed(..) => None,
     }
 }

@@ -105,6 +105,7 @@ impl<'g> Forms<'g> {
 pub(crate) fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: usize) -> Option<Vec<Expr<'g>>> {
     let Some((first, _)) = pairs.first() else { return Some(Vec::new()) };
     let graph = first.graph();
+    let given: Vec<_> = pairs.iter().map(|&(a, b)| a / b).collect();
     let mut forms = Forms::new(graph);
     for &turned in kept.ways() {
         let mut expansion = Expansion::new(graph, kept, turned, limit);
@@ -120,7 +121,6 @@ pub(crate) fn quotients<'g>(pairs: &[(Expr<'g>, Expr<'g>)], kept: &Kept, limit: 
             forms.add(sums.iter().map(quotient).collect());
         }
     }
-    let given: Vec<_> = pairs.iter().map(|&(a, b)| a / b).collect();
     forms.cheapest(&given)
 }
 

@@ -159,39 +159,14 @@ impl Value for Rounded {
             is_large.then(|| Elimination::of_values(n, &mass, &jacobian, |x| x.is_exactly_zero())).flatten()
             && let Some(factors) = sparse::Factors::new(&elimination, &doubles(&entries))
         {
-            let bounded = move |column: &Vec<Self>| bounded_by_pivots(&elimination, &entries, &factors, column);
-            return Box::new(move |columns, _| columns.iter().map(&bounded).collect());
+            let vectors = vectors.to_vec();
+            return Box::new(move |columns, terms| {
+                let bounded = |column: &Vec<Self>| bounded_by_pivots(&elimination, &entries, &factors, column);
+                let found: Option<Vec<_>> = columns.iter().map(bounded).collect();
+                found.unwrap_or_else(|| in_full(n, mass.clone(), jacobian.clone(), &vectors)(columns, terms))
+            });
         }
-        let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian), vectors);
-        let size = n + vectors.len();
-        let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
-        // Rows that depend on others take no part: they have agreed.
-        let response = |system: &NullSpace<f64>, j: usize| system.solve_independent_rows(&unit(j));
-        let inverse: Option<Vec<Vec<f64>>> = system.as_ref().and_then(|s| (0..size).map(|j| response(s, j)).collect());
-        let undefined = move || vec![Rounded { value: f64::NAN, error: f64::NAN }; size];
-        let bounded = move |column: &[Self], solution: &[f64], inverse: &[Vec<f64>]| {
-            let exact: Vec<Self> = solution.iter().map(|&x| Rounded::exact(x)).collect();
-            let rest = remainder(&mass, &jacobian, column, &exact, n);
-            let mut bounded = exact;
-            for (rest, response) in rest.iter().zip(inverse) {
-                let rest = rest.value.abs() + rest.error;
-                bounded.iter_mut().zip(response).for_each(|(x, to)| x.error += to.abs() * rest);
-            }
-            bounded
-        };
-        Box::new(move |columns, terms| {
-            let Some((system, inverse)) = system.as_ref().zip(inverse.as_ref()) else {
-                return columns.iter().map(|_| undefined()).collect();
-            };
-            let terms = Terms {
-                sizes: terms.sizes.iter().map(|sizes| doubles(sizes)).collect(),
-                motion: doubles(&terms.motion),
-                scales: doubles(&terms.scales),
-            };
-            let values: Vec<Vec<f64>> = columns.iter().map(|column| doubles(column)).collect();
-            let solutions = system.solve(&values, &terms).into_iter().zip(columns);
-            solutions.map(|(x, column)| x.map_or_else(undefined, |x| bounded(column, &x, inverse))).collect()
-        })
+        in_full(n, mass, jacobian, vectors)
     }
     fn eliminated<'a>(elimination: &'a Elimination, entries: Vec<Self>) -> Solution<'a, Self>
     where
@@ -199,9 +174,9 @@ impl Value for Rounded {
     {
         let values: Vec<f64> = entries.iter().map(|entry| entry.value).collect();
         let factors = sparse::Factors::new(elimination, &values);
-        Box::new(move |column| match &factors {
-            Some(factors) => bounded_by_pivots(elimination, &entries, factors, column),
-            None => vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()],
+        Box::new(move |column| {
+            let found = factors.as_ref().and_then(|factors| bounded_by_pivots(elimination, &entries, factors, column));
+            found.unwrap_or_else(|| vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()])
         })
     }
     fn exponent(self) -> i32 {
@@ -209,23 +184,57 @@ impl Value for Rounded {
     }
 }
 
-/// q̈ and λ of a large system with constraints, and how far they may be from the exact ones.
+/// q̈ and λ by the basis of the motions that A leaves, and how far they may be from the exact ones.
+fn in_full<'a>(n: usize, mass: Vec<Rounded>, jacobian: Vec<Rounded>, vectors: &[usize]) -> Solutions<'a, Rounded> {
+    let doubles = |numbers: &[Rounded]| numbers.iter().map(|number| number.value).collect::<Vec<f64>>();
+    let system = NullSpace::new(n, &doubles(&mass), &doubles(&jacobian), vectors);
+    let size = n + vectors.len();
+    let unit = |j: usize| (0..size).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
+    // Rows that depend on others take no part: they have agreed.
+    let response = |system: &NullSpace<f64>, j: usize| system.solve_independent_rows(&unit(j));
+    let inverse: Option<Vec<Vec<f64>>> = system.as_ref().and_then(|s| (0..size).map(|j| response(s, j)).collect());
+    let undefined = move || vec![Rounded { value: f64::NAN, error: f64::NAN }; size];
+    let bounded = move |column: &[Rounded], solution: &[f64], inverse: &[Vec<f64>]| {
+        let exact: Vec<Rounded> = solution.iter().map(|&x| Rounded::exact(x)).collect();
+        let rest = remainder(&mass, &jacobian, column, &exact, n);
+        let mut bounded = exact;
+        for (rest, response) in rest.iter().zip(inverse) {
+            let rest = rest.value.abs() + rest.error;
+            bounded.iter_mut().zip(response).for_each(|(x, to)| x.error += to.abs() * rest);
+        }
+        bounded
+    };
+    Box::new(move |columns, terms| {
+        let Some((system, inverse)) = system.as_ref().zip(inverse.as_ref()) else {
+            return columns.iter().map(|_| undefined()).collect();
+        };
+        let terms = Terms {
+            sizes: terms.sizes.iter().map(|sizes| doubles(sizes)).collect(),
+            motion: doubles(&terms.motion),
+            scales: doubles(&terms.scales),
+        };
+        let values: Vec<Vec<f64>> = columns.iter().map(|column| doubles(column)).collect();
+        let solutions = system.solve(&values, &terms).into_iter().zip(columns);
+        solutions.map(|(x, column)| x.map_or_else(undefined, |x| bounded(column, &x, inverse))).collect()
+    })
+}
+
+/// q̈ and λ of a large system with constraints, and how far they may be from the exact ones; `None` where pivots do not
+/// find them.
 fn bounded_by_pivots(
     elimination: &Elimination,
     entries: &[Rounded],
     factors: &sparse::Factors<f64>,
     column: &[Rounded],
-) -> Vec<Rounded> {
+) -> Option<Vec<Rounded>> {
     let b: Vec<f64> = column.iter().map(|number| number.value).collect();
-    let Some(solution) = factors.solution(elimination, &b) else {
-        return vec![Rounded { value: f64::NAN, error: f64::NAN }; column.len()];
-    };
+    let solution = factors.solution(elimination, &b)?;
     let solution: Vec<Rounded> = solution.into_iter().map(Rounded::exact).collect();
     let rest = elimination.times(entries, &solution).into_iter().zip(column).map(|(found, &b)| b - found);
     let sizes: Vec<f64> = rest.map(|rest| rest.value.abs() + rest.error).collect();
     let errors = factors.bounds(elimination, &sizes);
     let bounded = solution.into_iter().zip(errors).map(|(x, error)| Rounded { error, ..x }).collect();
-    elimination.signed(bounded)
+    Some(elimination.signed(bounded))
 }
 
 /// The solution of a large system without constraints, and how far it may be from the exact one.

@@ -22,8 +22,9 @@
 //! ```
 //!
 //! What is left, `b − K x`, is solved for and added until it is rounding of the terms, among them a share of `√Mᵢᵢ s`
-//! and of `√e s` with the greatest `s = √Mᵢᵢ |q̈ᵢ|`: that takes back what the shares and the order of the pivots have
-//! lost, and finds rows that contradict each other. Of rows that depend on others the multipliers are those of least
+//! and of `√e s`, where `s` is the greatest sum of a coordinate's terms over `√Mᵢᵢ`: what accelerates, and what forces
+//! that cancel would accelerate, as of a chain that hangs at rest. That takes back what the shares and the order of the
+//! pivots have lost, and finds rows that contradict each other. Of rows that depend on others the multipliers are those of least
 //! `Σ e λ²`.
 //!
 //! Sources: R. J. Vanderbei, *Symmetric quasidefinite matrices*, SIAM Journal on Optimization 5, 1995; P. E. Gill, M.
@@ -338,7 +339,7 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
         }
     }
 
-    /// `b − K x`, and whether it is no more than as many roundings of its terms.
+    /// `b − K x`, and whether it is no more than as many roundings of its terms, of each lane by itself.
     fn rest<const N: usize, const E: usize>(
         &self,
         elimination: &Elimination<U, E, L>,
@@ -347,11 +348,7 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
         [roundings, share]: [f64; 2],
     ) -> ([T; U], T::Mask) {
         let Elimination { order, ends, rows, .. } = elimination;
-        let moving = order.iter().zip(x.iter().zip(&self.weights)).filter(|(unknown, _)| usize::from(**unknown) < N);
-        let size = moving.fold(T::zero(), |size, (_, (&x, &weight))| size.maximum((x * weight).abs()));
-        let size = T::from_f64(share) * size;
         let (mut rest, mut terms) = (*right_side, right_side.map(T::abs));
-        terms.iter_mut().zip(&self.weights).for_each(|(terms, &weight)| *terms = *terms + weight * size);
         let mut take = |step: usize, product: T| {
             rest[step] = rest[step] - product;
             terms[step] = terms[step] + product.abs();
@@ -364,6 +361,11 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
                 take(step, self.entries[a] * x[row]);
             }
         }
+        let moving =
+            order.iter().zip(terms.iter().zip(&self.weights)).filter(|(unknown, _)| usize::from(**unknown) < N);
+        let size = moving.fold(T::zero(), |size, (_, (&terms, &weight))| size.maximum(terms / weight));
+        let size = T::from_f64(share) * size;
+        terms.iter_mut().zip(&self.weights).for_each(|(terms, &weight)| *terms = *terms + weight * size);
         let most = T::from_f64((roundings * T::ROUNDING).min(LOOSEST));
         let agrees = rest.iter().zip(&terms).map(|(rest, &terms)| rest.abs().less_equal(most * terms));
         // An infinite number has infinite terms.
@@ -430,8 +432,8 @@ mod tests {
         assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.1]).map(|(_, rank)| rank), Some(1));
         assert_eq!(found([0.0, 1.5, 0.75, 0.0], [0.2, 0.3]), None);
         assert_eq!(found([0.0, 0.0, 0.75, 2.0], [0.0, 0.1]).map(|(_, rank)| rank), Some(1));
-        // The third row is the sum of the others, which are parallel but for an angle of 7e-5 to 7e-2: their pivots leave
-        // of it what rows may be off by, many times over.
+        // The third row is the sum of the others, which are parallel but for an angle of 7e-5 to 7e-2: their pivots
+        // leave of it what rows may be off by, many times over.
         let three = Elimination {
             order: &[0, 1, 2, 3, 4],
             ends: &[3, 6, 8, 9, 9],

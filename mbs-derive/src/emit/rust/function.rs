@@ -111,10 +111,10 @@ impl Module<'_> {
             Ending::Motion => format!("{lines}\n{}", self.constrained(routine)),
             Ending::OfMotion(part) => assembled(routine, &[format!("{motion}.{}", usize::from(*part != "qdd"))]),
             Ending::Slopes(sizes) => {
-                let scale = &self.walk.names.scale;
-                let measured =
-                    format!("let (qdd, multipliers) = &{motion};\nlet {scale} = (qdd, {});", measures(sizes));
-                format!("{measured}\n{lines}\n{}", self.slopes(routine))
+                let (scale, is_eliminated) = (&self.walk.names.scale, self.walk.derivation.elimination.is_some());
+                let measured = || format!("let {scale} = (qdd, {});\n", measures(sizes));
+                let measured = if is_eliminated { String::new() } else { measured() };
+                format!("let (qdd, multipliers) = &{motion};\n{measured}{lines}\n{}", self.slopes(routine))
             }
         }
     }
