@@ -32,6 +32,14 @@ fn exact_zeros_may_come_out_as_rounding() {
     dimensionless("coord x: 1; kinetic += dt(x)^2; potential += sin(x)^2 + cos(x)^2 + (x+1/3)^2 - x^2 - 2/3*x;");
 }
 
+/// Charge over Boltzmann's constant: 10²⁵ has more than 64 bits, and the quotient has fewer.
+#[test]
+fn constants_of_many_digits_may_stand_in_angles_and_exponents() {
+    for angle in ["x*1.6e-19/1.38e-23", "x*1e18/1e20", "x*1e-30*1e15", "x/1e-10/1e20", "x/1e15", "x*1.6e-19"] {
+        dimensionless(&format!("coord x: 1; kinetic += dt(x)^2; potential += exp({angle}) + sin({angle} + x);"));
+    }
+}
+
 /// Tilts of 20° and 30° have irrational sines: what cancels among their products is nothing but rounding.
 #[test]
 fn constants_cancel_as_exact_ones_do() {

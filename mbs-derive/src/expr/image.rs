@@ -263,9 +263,10 @@ impl<const K: usize> Element for Image<K> {
         Image { value, form: Form::Rational(ratio), double }
     }
 
+    /// Of more than 64 bits: what part of an angle or an exponent it is is not known.
     fn long(n: i128) -> Self {
         let value = n.rem_euclid(i128::from(Self::P)) as u64;
-        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::of_constant(value, n as f64) }
+        if value == 0 && n != 0 { Self::NOT_DEFINED } else { Self::opaque(value).beside(n as f64) }
     }
 
     fn root(self) -> Self {
