@@ -24,8 +24,8 @@
 //! What is left, `b − K x`, is solved for and added until it is rounding of the terms, among them a share of `√Mᵢᵢ s`
 //! and of `√e s`, where `s` is the greatest sum of a coordinate's terms over `√Mᵢᵢ`: what accelerates, and what forces
 //! that cancel would accelerate, as of a chain that hangs at rest. That takes back what the shares and the order of the
-//! pivots have lost, and finds rows that contradict each other. Of rows that depend on others the multipliers are those of least
-//! `Σ e λ²`.
+//! pivots have lost, and finds rows that contradict each other. Of rows that depend on others the multipliers are those
+//! of least `Σ e λ²`.
 //!
 //! Sources: R. J. Vanderbei, *Symmetric quasidefinite matrices*, SIAM Journal on Optimization 5, 1995; P. E. Gill, M.
 //! A. Saunders, J. R. Shinnerl, *On the stability of Cholesky factorization for symmetric quasidefinite systems*,
