@@ -307,8 +307,8 @@ impl<V: Value> Factors<V> {
         [x, right_side]
     }
 
-    /// `b − K x`, and whether it is no more than as many roundings of its terms, among them a share of the greatest of
-    /// accelerations, and of what forces that cancel would accelerate.
+    /// `b − K x`, and whether it is no more than as many roundings of its terms, among them a share of what moves most
+    /// and of what a row is off by.
     fn rest(
         &self,
         elimination: &Elimination,
@@ -317,8 +317,18 @@ impl<V: Value> Factors<V> {
         [roundings, share]: [f64; 2],
     ) -> (Vec<V>, bool) {
         let Elimination { coordinates, order, starts, rows, .. } = elimination;
+        let moving = order.iter().zip(x.iter().zip(&self.weights)).filter(|(unknown, _)| *unknown < coordinates);
+        let larger = |a: V, b: V| if a.less(b) || !b.less_equal(b) { b } else { a };
+        let size = moving.fold(V::constant(0.0), |size, (_, (&x, &weight))| larger(size, magnitude(x.mul(weight))));
+        let (size, off) = (V::constant(share).mul(size), V::constant(share * SHARE * f64::EPSILON));
         let mut rest = right_side.to_vec();
         let mut terms: Vec<V> = rest.iter().map(|&b| magnitude(b)).collect();
+        for (step, (terms, &weight)) in terms.iter_mut().zip(&self.weights).enumerate() {
+            *terms = terms.add(weight.mul(size));
+            if order[step] >= *coordinates {
+                *terms = terms.add(off.mul(weight.mul(weight)).mul(magnitude(x[step])));
+            }
+        }
         let mut take = |step: usize, product: V| {
             rest[step] = rest[step].sub(product);
             terms[step] = terms[step].add(magnitude(product));
@@ -330,11 +340,6 @@ impl<V: Value> Factors<V> {
                 take(step, self.entries[a].mul(x[rows[a]]));
             }
         }
-        let moving = order.iter().zip(terms.iter().zip(&self.weights)).filter(|(unknown, _)| *unknown < coordinates);
-        let larger = |a: V, b: V| if a.less(b) || !b.less_equal(b) { b } else { a };
-        let size = moving.fold(V::constant(0.0), |size, (_, (&terms, &weight))| larger(size, terms.div(weight)));
-        let size = V::constant(share).mul(size);
-        terms.iter_mut().zip(&self.weights).for_each(|(terms, &weight)| *terms = terms.add(weight.mul(size)));
         let most = V::constant(roundings * f64::EPSILON);
         let agrees = |(rest, &terms): (&V, &V)| {
             magnitude(*rest).less_equal(most.mul(terms)) && terms.less(V::constant(f64::INFINITY))

@@ -22,10 +22,10 @@
 //! ```
 //!
 //! What is left, `b − K x`, is solved for and added until it is rounding of the terms, among them a share of `√Mᵢᵢ s`
-//! and of `√e s`, where `s` is the greatest sum of a coordinate's terms over `√Mᵢᵢ`: what accelerates, and what forces
-//! that cancel would accelerate, as of a chain that hangs at rest. That takes back what the shares and the order of the
-//! pivots have lost, and finds rows that contradict each other. Of rows that depend on others the multipliers are those
-//! of least `Σ e λ²`.
+//! and of `√e s` with the greatest `s = √Mᵢᵢ |q̈ᵢ|`, and of what a row is off by, `share·e |λ|`: of a chain that hangs
+//! at rest accelerations are nothing but rounding of forces, which rows are told from by that. It takes back what the
+//! shares and the order of the pivots have lost, and finds rows that contradict each other, since a share of what they
+//! are off by is less than that. Of rows that depend on others the multipliers are those of least `Σ e λ²`.
 //!
 //! Sources: R. J. Vanderbei, *Symmetric quasidefinite matrices*, SIAM Journal on Optimization 5, 1995; P. E. Gill, M.
 //! A. Saunders, J. R. Shinnerl, *On the stability of Cholesky factorization for symmetric quasidefinite systems*,
@@ -348,7 +348,16 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
         [roundings, share]: [f64; 2],
     ) -> ([T; U], T::Mask) {
         let Elimination { order, ends, rows, .. } = elimination;
+        let moving = order.iter().zip(x.iter().zip(&self.weights)).filter(|(unknown, _)| usize::from(**unknown) < N);
+        let size = moving.fold(T::zero(), |size, (_, (&x, &weight))| size.maximum((x * weight).abs()));
+        let (size, off) = (T::from_f64(share) * size, T::from_f64(share * SHARE * T::ROUNDING));
         let (mut rest, mut terms) = (*right_side, right_side.map(T::abs));
+        for (step, (terms, &weight)) in terms.iter_mut().zip(&self.weights).enumerate() {
+            *terms = *terms + weight * size;
+            if usize::from(order[step]) >= N {
+                *terms = *terms + off * (weight * weight) * x[step].abs();
+            }
+        }
         let mut take = |step: usize, product: T| {
             rest[step] = rest[step] - product;
             terms[step] = terms[step] + product.abs();
@@ -361,11 +370,6 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
                 take(step, self.entries[a] * x[row]);
             }
         }
-        let moving =
-            order.iter().zip(terms.iter().zip(&self.weights)).filter(|(unknown, _)| usize::from(**unknown) < N);
-        let size = moving.fold(T::zero(), |size, (_, (&terms, &weight))| size.maximum(terms / weight));
-        let size = T::from_f64(share) * size;
-        terms.iter_mut().zip(&self.weights).for_each(|(terms, &weight)| *terms = *terms + weight * size);
         let most = T::from_f64((roundings * T::ROUNDING).min(LOOSEST));
         let agrees = rest.iter().zip(&terms).map(|(rest, &terms)| rest.abs().less_equal(most * terms));
         // An infinite number has infinite terms.
@@ -497,6 +501,20 @@ mod tests {
         assert!(is_undefined([f64::INFINITY, 0.5, 3.0, -0.25, 4.0, 1.0, -1.5, 0.75, 2.0], 1.0, 0.0));
         assert!(is_undefined([2.0, 0.5, 3.0, f64::NAN, 4.0, 1.0, -1.5, 0.75, 2.0], 1.0, 0.0));
         assert!(is_undefined(ENTRIES, f64::NAN, 0.0) && is_undefined(ENTRIES, f64::INFINITY, 0.0));
+    }
+
+    /// Forces `f = −Aᵀ λ` accelerate nothing: what is left of accelerations is rounding, of which rows have to hold no
+    /// digit.
+    #[test]
+    fn forces_that_rows_hold_accelerate_nothing() {
+        let (_, a) = full(ENTRIES);
+        for number in 1..200 {
+            let held = [(f64::from(number) * 0.37).sin() * 500.0, f64::from(number) / 7.0];
+            let force: [f64; 3] = core::array::from_fn(|i| -(a[0][i] * held[0] + a[1][i] * held[1]));
+            let (q, l) = sparse_solve(&ELIMINATION, ENTRIES, force, [0.0; 2]);
+            assert!(q.iter().all(|q| q.abs() < 1e-12), "{number}: {q:?}");
+            assert!(l.iter().zip(held).all(|(l, held)| (l - held).abs() < 1e-12 * 500.0), "{number}: {l:?} {held:?}");
+        }
     }
 
     /// Masses that differ by many powers of ten, which rods tie to each other: pivots alone leave few digits, and
