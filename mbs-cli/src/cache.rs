@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use mbs_derive::Digest;
+use mbs_derive::source::Sources;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
@@ -56,20 +57,21 @@ impl Cache {
         self.folder.as_deref()
     }
 
-    /// Where a value is kept, or would be.
-    pub(crate) fn path(&self, key: impl FnOnce() -> Digest) -> Option<PathBuf> {
-        self.folder.as_ref().map(|folder| folder.join(file_name(key())))
+    /// Where what is asked for of these texts is kept, or would be.
+    pub(crate) fn path(&self, what: &str, sources: &Sources) -> Option<PathBuf> {
+        self.folder.as_ref().map(|folder| folder.join(file_name(Digest::of_request(what, sources))))
     }
 
-    /// What was kept under this key, or else what is made now, which is kept unless it fails. Without a folder no key
-    /// is asked for.
+    /// What was kept of these texts, or else what is made now, which is kept unless it fails. Without a folder nothing
+    /// is digested.
     pub(crate) fn or_make<T: Serialize + DeserializeOwned, E>(
         &self,
-        key: impl FnOnce() -> Digest,
+        what: &str,
+        sources: &Sources,
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<T, E> {
         let Some(folder) = &self.folder else { return make() };
-        let key = key();
+        let key = Digest::of_request(what, sources);
         if let Some(value) = self.get(folder, key) {
             return Ok(value);
         }
@@ -153,8 +155,8 @@ fn sum_of(key: Digest, content: &[u8]) -> [u8; 16] {
 mod tests {
     use super::*;
 
-    fn key(text: &str) -> Digest {
-        Digest::of([text.as_bytes()])
+    fn texts() -> Sources {
+        Sources::new("m.mbs", "mechanism M { }")
     }
 
     fn cache(capacity: u64) -> (tempfile::TempDir, Cache) {
@@ -164,32 +166,32 @@ mod tests {
     }
 
     /// Whether it is made now, and what it is.
-    fn take(cache: &Cache, key: Digest, value: &str) -> (bool, String) {
+    fn take(cache: &Cache, what: &str, value: &str) -> (bool, String) {
         let mut made = false;
         let make = || {
             made = true;
             Ok::<_, ()>(value.to_string())
         };
-        let value = cache.or_make(|| key, make).unwrap();
+        let value = cache.or_make(what, &texts(), make).unwrap();
         (made, value)
     }
 
     #[test]
     fn what_was_made_is_kept_unless_it_failed() {
         let (_folder, cache) = cache(1000);
-        assert_eq!(cache.or_make::<String, _>(|| key("a"), || Err("no")), Err("no"));
-        assert_eq!(take(&cache, key("a"), "one"), (true, "one".to_string()));
-        assert_eq!(take(&cache, key("a"), "two"), (false, "one".to_string()));
-        assert_eq!(take(&cache, key("b"), "two"), (true, "two".to_string()));
-        assert_eq!(take(&Cache::none(), key("a"), "three"), (true, "three".to_string()));
+        assert_eq!(cache.or_make::<String, _>("a", &texts(), || Err("no")), Err("no"));
+        assert_eq!(take(&cache, "a", "one"), (true, "one".to_string()));
+        assert_eq!(take(&cache, "a", "two"), (false, "one".to_string()));
+        assert_eq!(take(&cache, "b", "two"), (true, "two".to_string()));
+        assert_eq!(take(&Cache::none(), "a", "three"), (true, "three".to_string()));
     }
 
     #[test]
     fn a_damaged_entry_is_made_again() {
         let (_folder, cache) = cache(1000);
-        let key = key("a");
+        let key = "a";
         take(&cache, key, "one");
-        let path = cache.path(|| key).unwrap();
+        let path = cache.path(key, &texts()).unwrap();
         let whole = fs::read(&path).unwrap();
         let flipped = (0..8 * whole.len()).map(|bit| {
             let mut bytes = whole.clone();
@@ -208,9 +210,9 @@ mod tests {
     #[test]
     fn an_entry_under_the_name_of_another_is_damaged() {
         let (_folder, cache) = cache(1000);
-        take(&cache, key("a"), "one");
-        fs::rename(cache.path(|| key("a")).unwrap(), cache.path(|| key("b")).unwrap()).unwrap();
-        assert_eq!(take(&cache, key("b"), "two"), (true, "two".to_string()));
+        take(&cache, "a", "one");
+        fs::rename(cache.path("a", &texts()).unwrap(), cache.path("b", &texts()).unwrap()).unwrap();
+        assert_eq!(take(&cache, "b", "two"), (true, "two".to_string()));
     }
 
     #[test]
@@ -219,18 +221,18 @@ mod tests {
         let (_folder, cache) = cache(2 * entry);
         let value = "x".repeat(100);
         let age = |text: &str, seconds| {
-            let file = File::options().append(true).open(cache.path(|| key(text)).unwrap()).unwrap();
+            let file = File::options().append(true).open(cache.path(text, &texts()).unwrap()).unwrap();
             file.set_modified(SystemTime::now() - Duration::from_secs(seconds)).unwrap();
         };
-        let is_there = |text: &str| cache.path(|| key(text)).unwrap().exists();
-        take(&cache, key("a"), &value);
-        take(&cache, key("b"), &value);
+        let is_there = |text: &str| cache.path(text, &texts()).unwrap().exists();
+        take(&cache, "a", &value);
+        take(&cache, "b", &value);
         age("a", 20);
         age("b", 10);
-        assert!(!take(&cache, key("a"), &value).0, "used, so that `b` goes first");
-        take(&cache, key("c"), &value);
+        assert!(!take(&cache, "a", &value).0, "used, so that `b` goes first");
+        take(&cache, "c", &value);
         assert_eq!(["a", "b", "c"].map(is_there), [true, false, true]);
-        take(&cache, key("d"), &value.repeat(3));
+        take(&cache, "d", &value.repeat(3));
         assert!(!is_there("d"), "larger than all that may be kept");
     }
 
@@ -244,9 +246,9 @@ mod tests {
             fs::write(path, [0; 1000]).unwrap();
             File::options().append(true).open(path).unwrap().set_modified(SystemTime::UNIX_EPOCH).unwrap();
         }
-        take(&cache, key("a"), "one");
+        take(&cache, "a", "one");
         assert!(foreign.exists() && !unfinished.exists());
-        assert!(!take(&cache, key("a"), "one").0);
+        assert!(!take(&cache, "a", "one").0);
     }
 
     #[test]
@@ -255,7 +257,7 @@ mod tests {
         fs::write(folder.path().join("mbs"), "a file").unwrap();
         let cache = Cache { folder: Some(folder.path().join("mbs")), capacity: 1000 };
         for _ in 0..2 {
-            assert_eq!(take(&cache, key("a"), "one"), (true, "one".to_string()));
+            assert_eq!(take(&cache, "a", "one"), (true, "one".to_string()));
         }
     }
 }

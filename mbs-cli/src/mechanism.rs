@@ -7,7 +7,7 @@ use mbs_derive::emit::Options;
 use mbs_derive::expr::Graph;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::source::Sources;
-use mbs_derive::{Analysis, Digest, Error};
+use mbs_derive::{Analysis, Error};
 use serde::{Deserialize, Serialize};
 
 use crate::cache::Cache;
@@ -77,7 +77,7 @@ pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
 
 /// Notes the file that an earlier call has kept.
 pub(crate) fn note(what: &str, sources: &Sources, cache: &Cache, files: &mut Files) {
-    if let Some(path) = cache.path(|| Digest::of_request(what, sources)) {
+    if let Some(path) = cache.path(what, sources) {
         files.reads("the derivation in", &path);
     }
 }
@@ -109,10 +109,7 @@ pub(crate) fn has_matrices(derivation: &Derivation, command: &str) -> Result<(),
 
 /// Reads, derives and proves, before warnings are reported.
 fn proved_quietly(sources: &Sources, cache: &Cache) -> Result<Mechanism, Failure> {
-    cache.or_make(
-        || Digest::of_request(MECHANISM, sources),
-        || derived_and(sources, |_| ()).map(|derived| derived.mechanism),
-    )
+    cache.or_make(MECHANISM, sources, || derived_and(sources, |_| ()).map(|derived| derived.mechanism))
 }
 
 /// What is written of a proved mechanism, unless an earlier call has written it: `what` tells it from other writings.
@@ -154,15 +151,12 @@ pub(crate) fn latex(what: &str, sources: &Sources, cache: &Cache) -> Result<Stri
 
 /// What there is to see of a mechanism.
 pub(crate) fn scene(sources: &Sources, cache: &Cache) -> Result<Scene, Failure> {
-    cache.or_make(
-        || Digest::of_request(SCENE, sources),
-        || {
-            let graph = Graph::verbatim();
-            let analysis = Analysis::of(sources, &graph);
-            let scene = analysis.map(|analysis| Scene::of(&analysis));
-            scene.map_err(|error| Failure::from(Messages::of_error(&error, sources)))
-        },
-    )
+    cache.or_make(SCENE, sources, || {
+        let graph = Graph::verbatim();
+        let analysis = Analysis::of(sources, &graph);
+        let scene = analysis.map(|analysis| Scene::of(&analysis));
+        scene.map_err(|error| Failure::from(Messages::of_error(&error, sources)))
+    })
 }
 
 fn kept(
@@ -171,7 +165,7 @@ fn kept(
     cache: &Cache,
     make: impl FnOnce() -> Result<Code, Failure>,
 ) -> Result<String, Failure> {
-    let Code { text, warnings } = cache.or_make(|| Digest::of_request(what, sources), make)?;
+    let Code { text, warnings } = cache.or_make(what, sources, make)?;
     output::report(&warnings);
     Ok(text)
 }

@@ -14,10 +14,10 @@ mod start;
 
 use std::path::PathBuf;
 
+use mbs_derive::Analysis;
 use mbs_derive::emit::{Language, Options};
 use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
-use mbs_derive::{Analysis, Digest};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -97,17 +97,14 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
 const REPORT: &str = "report";
 
 fn parts(sources: &Sources, cache: &Cache) -> Result<Parts, Failure> {
-    cache.or_make(
-        || Digest::of_request(REPORT, sources),
-        || {
-            let also = |analysis: &Analysis<'_>| {
-                (analysis.mathml(), Explanation::of(analysis).object().to_string(), Scene::of(analysis))
-            };
-            let derived = mechanism::derived_and(sources, also)?;
-            let (equations, costs, scene) = derived.also;
-            Ok(Parts { mechanism: derived.mechanism, equations, costs, scene })
-        },
-    )
+    cache.or_make(REPORT, sources, || {
+        let also = |analysis: &Analysis<'_>| {
+            (analysis.mathml(), Explanation::of(analysis).object().to_string(), Scene::of(analysis))
+        };
+        let derived = mechanism::derived_and(sources, also)?;
+        let (equations, costs, scene) = derived.also;
+        Ok(Parts { mechanism: derived.mechanism, equations, costs, scene })
+    })
 }
 
 fn one(argument: &str, derivation: &Derivation) -> Result<Point, Failure> {

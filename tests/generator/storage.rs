@@ -45,7 +45,7 @@ fn main() {
     let (row, zeros) = (Row::<f64>::default(), [0.0; N]);
     let mut mass = boxed([f64::NAN; N]);
     row.mass_matrix(&zeros, &mut mass);
-    // M ∂q̈/∂q = −K
+    // M ∂q̈/∂q = −K, with numbers of up to N² on the left.
     let Linearization { q: slopes, qd, .. } = Linearized::linearize(&row, 0.0, &zeros, &zeros, &[]);
     for i in 0..N {
         for j in 0..N {
@@ -79,7 +79,7 @@ fn main() {
     let off = (1..N).map(|i| (state.q[i] - state.q[i - 1] - 1.0).abs()).fold(0.0, f64::max);
     println!(\"off by {off:e}\");
     assert!(off < 1e-12);
-    // Nothing pushes the whole: the centre of mass stays.
+    // Nothing pushes the whole: the centre of mass stays, of places up to N.
     let moved: f64 = state.q.iter().zip(&q).map(|(a, b)| a - b).sum();
     assert!(moved.abs() < 1e-9, \"{moved}\");
 }

@@ -101,7 +101,7 @@ fn least_slope<T: Scalar>(small: i32) -> T {
 }
 
 /// The square root of a power of four or twice one, from above; without a library.
-pub(super) fn root(x: f64) -> f64 {
+fn root(x: f64) -> f64 {
     let exponent = ((x.to_bits() >> 52) & 0x7ff) as i64 - 1023;
     f64::from_bits(((1023 + exponent.div_euclid(2) + exponent.rem_euclid(2)) as u64) << 52)
 }

@@ -503,17 +503,26 @@ mod tests {
         assert!(is_undefined(ENTRIES, f64::NAN, 0.0) && is_undefined(ENTRIES, f64::INFINITY, 0.0));
     }
 
-    /// Forces `f = −Aᵀ λ` accelerate nothing: what is left of accelerations is rounding, of which rows have to hold no
-    /// digit.
+    /// Three particles that hang below each other on rods: rows hold all of them, and `λ = −(n − i) m g/(2 l)` of rows
+    /// `Δy² = l²` holds what is below.
     #[test]
-    fn forces_that_rows_hold_accelerate_nothing() {
-        let (_, a) = full(ENTRIES);
-        for number in 1..200 {
-            let held = [(f64::from(number) * 0.37).sin() * 500.0, f64::from(number) / 7.0];
-            let force: [f64; 3] = core::array::from_fn(|i| -(a[0][i] * held[0] + a[1][i] * held[1]));
-            let (q, l) = sparse_solve(&ELIMINATION, ENTRIES, force, [0.0; 2]);
-            assert!(q.iter().all(|q| q.abs() < 1e-12), "{number}: {q:?}");
-            assert!(l.iter().zip(held).all(|(l, held)| (l - held).abs() < 1e-12 * 500.0), "{number}: {l:?} {held:?}");
+    fn a_chain_at_rest_hangs() {
+        let chain = Elimination {
+            order: &[0, 1, 2, 3, 4, 5],
+            ends: &[2, 4, 5, 6, 7, 7],
+            rows: &[3, 4, 4, 5, 5, 4, 5],
+            places: &[0, 1, 2, 6, 7, 8, 9, 10],
+        };
+        for number in 1..1000 {
+            let (m, l, g) = (0.3 * f64::from(number), 0.1 + 0.01 * f64::from(number), 9.81);
+            let rods = [-2.0 * l, 2.0 * l, -2.0 * l, 2.0 * l, -2.0 * l];
+            let entries = [m, m, m, rods[0], rods[1], rods[2], rods[3], rods[4]];
+            let (q, multipliers) = sparse_solve(&chain, entries, [-m * g; 3], [0.0; 3]);
+            assert!(q.iter().all(|q| q.abs() < 1e-14), "{number}: {q:?}");
+            for (below, found) in [3.0, 2.0, 1.0].into_iter().zip(multipliers) {
+                let expected = -below * m * g / (2.0 * l);
+                assert!((found / expected - 1.0).abs() < 1e-14, "{number}: {multipliers:?}");
+            }
         }
     }
 
