@@ -132,7 +132,7 @@ fn main() {
         }
     }
     println!(\"off by {off:e}\");
-    assert!(off < 1e-4);
+    assert!(off < 1e-7);
     // In single precision.
     let single = rods::Rods::<f32>::default().forward_dynamics(TIME as f32, &state.q.map(|x| x as f32), &state.qd.map(|x| x as f32));
     let double = chain.forward_dynamics(TIME, &state.q, &state.qd);

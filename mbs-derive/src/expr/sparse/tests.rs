@@ -127,7 +127,7 @@ fn rows_that_depend_on_others_change_what_they_may() {
         let expected = [0.75, 6.0].get(i.wrapping_sub(3)).map_or(0.0, |x| x / 4.25);
         assert!((x - expected).abs() < 1e-12, "{i}: {x} {expected}");
     }
-    // As near to 3 as to 5/2: rows are off in proportion to what they move, and the second one moves four times as much.
+    // As near to 3 as to 5/2: rows are off in proportion to what they move, the second one by four times as much.
     let apart = least_change(&weights, &jacobian, &[3.0, 5.0, 1.0], None).unwrap();
     assert!(
         apart.iter().all(|x| x.is_finite()) && (apart[3] + 2.0 * apart[4] - 2.75).abs() < 1e-2,
