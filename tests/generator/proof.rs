@@ -2,6 +2,8 @@
 //! saturation, corners; and one-sided forces, which conserve nothing that they only seem to.
 
 use mbs_derive::expr::Graph;
+use mbs_derive::interpret::{Interpreter, State};
+use mbs_derive::optimise::FunctionKind;
 use mbs_derive::source::Sources;
 use mbs_derive::verify::{self, Proof};
 use mbs_derive::{Analysis, declared, derived};
@@ -38,6 +40,71 @@ fn constants_of_many_digits_may_stand_in_angles_and_exponents() {
     for angle in ["x*1.6e-19/1.38e-23", "x*1e18/1e20", "x*1e-30*1e15", "x/1e-10/1e20", "x/1e15", "x*1.6e-19"] {
         dimensionless(&format!("coord x: 1; kinetic += dt(x)^2; potential += exp({angle}) + sin({angle} + x);"));
     }
+}
+
+/// Half a radian and thirty degrees: no fraction holds their sum, which as an angle is the one and then the other.
+#[test]
+fn angles_may_be_a_number_and_a_part_of_a_half_turn() {
+    let angles = [
+        "x + 0.5 + pi/6",
+        "x - (0.1 + pi/2)",
+        "2*(x + 0.5 - 30*deg)/3",
+        "x + 0.5 + pi/6 - 0.5",
+        "1.5 - pi/3",
+        "abs(1 - pi)",
+        "x*(1 + pi)",
+        "x + pi^2/3 + pi + 0.5",
+        "x + 0.123456789123456 + pi/7",
+        "sqrt(2) + pi + x",
+    ];
+    for angle in angles {
+        for function in ["sin", "tan", "exp", "tanh"] {
+            dimensionless(&format!(
+                "coord x: 1; let r = rot_z({angle})*rot_x(x + ({angle})); kinetic += particle(2, r.point([1, 2, 3])); \
+                 kinetic += dt(x)^2; potential += {function}({angle})*x; output o = {function}({angle}) + ({angle});"
+            ));
+        }
+    }
+}
+
+/// Products of constants that no double holds stay products.
+#[test]
+fn products_of_constants_may_be_beyond_doubles() {
+    dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e-200*(1e-200*k*x^2);");
+    dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e200*(1e200*(1e-300*k*x^2));");
+    let squared = "1/2*(dt(x)*1e-170 + 1e-170*dt(y))^2";
+    dimensionless(&format!("coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2 + {squared};"));
+}
+
+/// A force on one end reaches the other as the 99th power of a weak coupling, 1e-396. Of the rest Thomas' algorithm says
+/// what it is.
+#[test]
+fn a_long_row_of_masses_may_be_coupled_weakly() {
+    const N: usize = 100;
+    let row = format!(
+        "#![dimensionless] mechanism Row {{ coord x[{N}]: 1; input f: 1; for i in 0..{N} {{ kinetic += 1/2*dt(x[i])^2; }} \
+         for i in 0..{} {{ kinetic += 1e-4*dt(x[i])*dt(x[i + 1]); }} force x[0] += f; }}",
+        N - 1
+    );
+    let graph = Graph::verbatim();
+    let analysis =
+        Analysis::of(&Sources::new("row.mbs", &row), &graph).unwrap_or_else(|e| panic!("{}", e.render("", &row)));
+    let programs = analysis.programs();
+    let state = State { q: vec![0.0; N], qd: vec![0.0; N], qdd: vec![0.0; N], u: vec![3.0], ..State::default() };
+    let found = Interpreter::<f64>::new(programs).call(FunctionKind::ForwardDynamics, &state).expect("it is generated");
+    let (mut pivots, mut forces) = (vec![1.0; N], vec![3.0; N]);
+    for i in 1..N {
+        let factor = 1e-4 / pivots[i - 1];
+        pivots[i] -= factor * 1e-4;
+        forces[i] = -factor * forces[i - 1];
+    }
+    let mut expected = 0.0;
+    for i in (0..N).rev() {
+        expected = (forces[i] - 1e-4 * expected) / pivots[i];
+        let error: f64 = found[i] - expected;
+        assert!(error.abs() <= 1e-13 * f64::abs(expected) + 1e-300, "{i}: {}, not {expected}", found[i]);
+    }
+    assert!(found[0] != 0.0 && found[70] != 0.0);
 }
 
 /// Tilts of 20° and 30° have irrational sines: what cancels among their products is nothing but rounding.

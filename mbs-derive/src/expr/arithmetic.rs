@@ -129,7 +129,10 @@ impl<'g> Mul for Expr<'g> {
             (Node::Neg(a), Node::Neg(b)) => return graph.expr(a) * graph.expr(b),
             (Node::Neg(a), _) => return -(graph.expr(a) * other),
             (_, Node::Neg(b)) => return -(self * graph.expr(b)),
-            (Node::Constant(a), Node::Constant(b)) => return graph.constant(a * b),
+            (Node::Constant(a), Node::Constant(b)) => {
+                let product = a.times(b).map(|product| graph.constant(product));
+                return product.unwrap_or_else(|| graph.ordered_product(self, other));
+            }
             (_, Node::Constant(_)) => return other * self,
             (Node::Constant(c), _) if c.is_zero() => return self,
             (Node::Constant(c), _) if c.is_one() => return other,
@@ -143,7 +146,9 @@ impl<'g> Mul for Expr<'g> {
             return self.product_of_powers(other);
         }
         let product = if x.is_one() { y } else { x.product_of_powers(y) };
-        let coefficient = c * d;
+        let Some(coefficient) = c.times(d) else {
+            return graph.intern(Node::Mul(graph.constant(c).id, graph.scaled(d, product).id));
+        };
         if coefficient.is_one() {
             return product;
         }
@@ -151,7 +156,7 @@ impl<'g> Mul for Expr<'g> {
             return graph.ordered_product(graph.constant(coefficient) * p, z);
         }
         match product.node() {
-            Node::Constant(value) => graph.constant(coefficient * value),
+            Node::Constant(_) => graph.scaled(coefficient, product),
             Node::Neg(a) => -graph.scaled(coefficient, graph.expr(a)),
             Node::Mul(e, z) if graph.is_constant(e) => graph.scaled(coefficient, graph.expr(e)) * graph.expr(z),
             _ => graph.intern(Node::Mul(graph.constant(coefficient).id, product.id)),

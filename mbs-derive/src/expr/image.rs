@@ -141,6 +141,12 @@ impl<const K: usize> Image<K> {
         mixed(0x7069 + K as u64) % Self::P
     }
 
+    /// A part of π.
+    fn turn(ratio: Ratio) -> Self {
+        let pi = Self::of_constant(Self::pi(), PI);
+        Image { form: Form::Turn(ratio), ..Self::rational(ratio).mul(pi) }
+    }
+
     fn opaque(value: u64) -> Self {
         Image { value, form: Form::Opaque, double: f64::NAN }
     }
@@ -291,17 +297,17 @@ impl<const K: usize> Value for Image<K> {
         match number {
             Number::Exact { numerator, denominator, pi } => match (short(numerator), short(denominator), pi) {
                 (Some(numerator), Some(denominator), 0) => Self::rational(Ratio { numerator, denominator }),
-                (Some(numerator), Some(denominator), 1) => {
-                    let ratio = Ratio { numerator, denominator };
-                    let pi = Self::of_constant(Self::pi(), PI);
-                    Image { form: Form::Turn(ratio), ..Self::rational(ratio).mul(pi) }
-                }
+                (Some(numerator), Some(denominator), 1) => Self::turn(Ratio { numerator, denominator }),
                 _ => {
                     let pi = Self::of_constant(Self::pi(), PI).power(2 * i32::from(pi));
                     Self::long(numerator).div(Self::long(denominator)).mul(pi)
                 }
             },
-            Number::Real { value, images, .. } => Self::of_constant(images[K], value),
+            Number::Real { value, images, .. } => match number.parts() {
+                // As an angle it is the sum of these.
+                Some([r, s]) => Self::rational(r).add(Self::turn(s)).beside(value),
+                None => Self::of_constant(images[K], value),
+            },
         }
     }
 

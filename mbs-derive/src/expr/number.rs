@@ -9,6 +9,7 @@ use super::element::Element;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::image::{Image, Images, NO_IMAGES, UNDEFINED};
+use super::ratio::Ratio;
 use super::rounded::Rounded;
 use super::spline::Spline;
 
@@ -43,6 +44,9 @@ pub enum Number {
         error: f32,
         /// The constant that is meant in prime fields; the greatest number where it has no value there.
         images: Images,
+        /// Numerator and denominator of r, and those of s, where the constant is `r + s·π`; zeros where it is not known
+        /// to be such a sum, or one of them is long.
+        parts: [i32; 4],
     },
 }
 
@@ -159,7 +163,14 @@ impl Number {
         }
     }
 
-    /// `self^(halves/2)`; `None` where that is not a finite real number.
+    /// `self · other`; `None` where that is beyond the range of doubles: not finite, or 0 though neither of the two is.
+    pub(crate) fn times(self, other: Number) -> Option<Number> {
+        let product = self * other;
+        let is_within = product.is_zero() == (self.is_zero() || other.is_zero()) && product.to_f64().is_finite();
+        is_within.then_some(product)
+    }
+
+    /// `self^(halves/2)`; `None` where that is not a real number, or beyond the range of doubles.
     pub fn power(self, halves: i32) -> Option<Number> {
         if self.is_zero() {
             return (halves > 0).then_some(Number::ZERO);
@@ -187,7 +198,7 @@ impl Number {
             define(value, || Definition::Power(self, halves))
         };
         let value = exactly().unwrap_or_else(rounded);
-        value.to_f64().is_finite().then_some(value)
+        (value.to_f64().is_finite() && !value.is_zero()).then_some(value)
     }
 
     fn sqrt(self) -> Option<Number> {
@@ -247,12 +258,63 @@ impl Number {
         } else if high.fract() == 0.0 && high.abs() < 1e9 && low.abs() <= error && may_be(high as i64) {
             Number::integer(high as i64)
         } else {
-            Number::Real { value: high, rest: low, error: (error / high.abs()) as f32, images }
+            Number::Real { value: high, rest: low, error: (error / high.abs()) as f32, images, parts: [0; 4] }
+        }
+    }
+
+    /// The fraction of 64 bits that it is.
+    fn ratio(self) -> Option<Ratio> {
+        match self {
+            Number::Exact { numerator, denominator, pi: 0 } => Ratio::of(numerator, denominator),
+            Number::Exact { .. } | Number::Real { .. } => None,
+        }
+    }
+
+    /// r and s of `r + s·π`.
+    pub(super) fn parts(self) -> Option<[Ratio; 2]> {
+        match self {
+            Number::Exact { pi: 0, .. } => Some([self.ratio()?, Ratio::ZERO]),
+            Number::Exact { numerator, denominator, pi: 1 } => {
+                Some([Ratio::ZERO, Number::rational(numerator, denominator)?.ratio()?])
+            }
+            Number::Exact { .. } | Number::Real { parts: [_, 0, ..], .. } => None,
+            Number::Real { parts: [r, over_r, s, over_s], .. } => {
+                let ratio = |numerator: i32, denominator: i32| Ratio {
+                    numerator: numerator.into(),
+                    denominator: denominator.into(),
+                };
+                Some([ratio(r, over_r), ratio(s, over_s)])
+            }
+        }
+    }
+
+    /// The same constant, which is `r + s·π`. Where one of them is long its images are not kept: as an angle it would be
+    /// another one there than the sum of the two.
+    fn with_parts(self, parts: Option<[Ratio; 2]>) -> Number {
+        let short = |n: i64| i32::try_from(n).ok();
+        let all = |[r, s]: [Ratio; 2]| {
+            Some([short(r.numerator)?, short(r.denominator)?, short(s.numerator)?, short(s.denominator)?])
+        };
+        match (self, parts) {
+            (Number::Exact { .. }, _) => self,
+            (_, Some([r, Ratio::ZERO])) => {
+                Number::Exact { numerator: r.numerator.into(), denominator: r.denominator.into(), pi: 0 }
+            }
+            (_, Some([Ratio::ZERO, s])) => {
+                Number::Exact { numerator: s.numerator.into(), denominator: s.denominator.into(), pi: 1 }
+            }
+            (Number::Real { value, rest, error, images, .. }, parts) => match parts.and_then(all) {
+                Some(parts) => Number::Real { value, rest, error, images, parts },
+                None => self.without_images(),
+            },
         }
     }
 
     /// `f(self)`, where it is not held exactly.
     pub(super) fn call(self, function: Function) -> Number {
+        if function == Function::Abs {
+            return if self.is_negative() { -self } else { self };
+        }
         let (x, value) = (self, self.to_double_double().call(function));
         let error = error_beside(value, self.magnified().call(function));
         let number = Number::computed(value, error, in_every_field!(x => x.call(function)));
@@ -343,9 +405,19 @@ impl Add for Number {
         exactly().unwrap_or_else(|| {
             let (a, sum) = (self, self.to_double_double().add(other.to_double_double()));
             let error = self.uncertainty() + other.uncertainty();
-            define(Number::computed(sum, error, in_every_field!(a, other => a + other)), || {
+            let number = define(Number::computed(sum, error, in_every_field!(a, other => a + other)), || {
                 Definition::Sum(self, other)
-            })
+            });
+            // Sums of one power of π are long, and no angles of two parts.
+            let is_of_parts = match (self, other) {
+                (Number::Exact { pi, .. }, Number::Exact { pi: other, .. }) => pi != other,
+                _ => [self, other].iter().all(|n| matches!(n, Number::Exact { .. }) || n.parts().is_some()),
+            };
+            if !is_of_parts {
+                return number;
+            }
+            let parts = self.parts().zip(other.parts());
+            number.with_parts(parts.and_then(|([a, b], [c, d])| Some([a.plus(c)?, b.plus(d)?])))
         })
     }
 }
@@ -365,7 +437,14 @@ impl Mul for Number {
             let (a, product) = (self, self.to_double_double().mul(other.to_double_double()));
             let error = self.to_f64().abs() * other.uncertainty() + other.to_f64().abs() * self.uncertainty();
             let number = Number::computed(product, error, in_every_field!(a, other => a * other));
-            define(number, || Definition::Product(self, other))
+            let number = define(number, || Definition::Product(self, other));
+            let is_exact = matches!((self, other), (Number::Exact { .. }, Number::Exact { .. }));
+            match (self.parts(), other.parts()) {
+                (Some([r, s]), Some([c, Ratio::ZERO])) | (Some([c, Ratio::ZERO]), Some([r, s])) if !is_exact => {
+                    number.with_parts(r.times(c).zip(s.times(c)).map(|(r, s)| [r, s]))
+                }
+                _ => number,
+            }
         })
     }
 }
@@ -376,9 +455,10 @@ impl Neg for Number {
     fn neg(self) -> Number {
         match self {
             Number::Exact { numerator, denominator, pi } => Number::Exact { numerator: -numerator, denominator, pi },
-            Number::Real { value, rest, error, .. } => {
-                let a = self;
-                let number = Number::Real { value: -value, rest: -rest, error, images: in_every_field!(a => -a) };
+            Number::Real { value, rest, error, parts: [r, over_r, s, over_s], .. } => {
+                let (a, parts) = (self, [-r, over_r, -s, over_s]);
+                let number =
+                    Number::Real { value: -value, rest: -rest, error, images: in_every_field!(a => -a), parts };
                 define(number, || Definition::Product(self, Number::integer(-1)))
             }
         }

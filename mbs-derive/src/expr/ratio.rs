@@ -14,7 +14,7 @@ impl Ratio {
     pub(super) const ONE: Ratio = Ratio { numerator: 1, denominator: 1 };
     pub(super) const TWO: Ratio = Ratio { numerator: 2, denominator: 1 };
 
-    fn of(numerator: i128, denominator: i128) -> Option<Ratio> {
+    pub(super) fn of(numerator: i128, denominator: i128) -> Option<Ratio> {
         match Number::rational(numerator, denominator)? {
             Number::Exact { numerator, denominator, .. } => {
                 let (numerator, denominator) = (i64::try_from(numerator).ok()?, i64::try_from(denominator).ok()?);

@@ -78,7 +78,8 @@ impl<K: Ord + Clone> Combination<K> {
         }
     }
 
-    /// The product, given that of two terms; `None` beyond `limit` terms, or where two terms have no product.
+    /// The product, given that of two terms; `None` beyond `limit` terms, or where two terms or coefficients have no
+    /// product.
     pub(crate) fn product(
         &self,
         other: &Self,
@@ -88,7 +89,9 @@ impl<K: Ord + Clone> Combination<K> {
         let mut product = Self::default();
         for (a, &x) in &self.0 {
             for (b, &y) in &other.0 {
-                of_terms(a, b)?.into_iter().for_each(|(key, factor)| product.add(key, x * y * factor));
+                for (key, factor) in of_terms(a, b)? {
+                    product.add(key, x.times(y)?.times(factor)?);
+                }
             }
             if product.0.len() > limit {
                 return None;
