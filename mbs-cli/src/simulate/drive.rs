@@ -163,6 +163,13 @@ impl Drives<'_> {
         let mut added = String::new();
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
+            if let Some((array, component)) = drive.name.split_once('[') {
+                let (name, component) = (&drive.name, component.trim_end_matches(']').replace("][", "_"));
+                return Err(Failure::new(format_args!(
+                    "{input}: there is no input `{name}`; a component is called as its column is, `{array}_{component}`, \
+                     and an input that is one number by its name, `{array}`"
+                )));
+            }
             check_formula(input, &drive.name, formula)?;
             added += &outputs_in(formula, &text, own, &added);
             let unit = unit_of_input(&declaration.statements, &drive.name).unwrap_or("1".to_string());
@@ -344,6 +351,10 @@ pub(crate) fn places_of_watched(text: &str) -> Vec<std::ops::Range<usize>> {
 
 /// It is one expression, and nothing behind it.
 fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure> {
+    if formula.contains("//") {
+        let reason = "a formula has no comment; leave out what stands behind `//`";
+        return Err(Failure::new(format_args!("{option} {name}: {reason}")));
+    }
     let text = format!("mechanism Formula {{ let value = {formula}; }}");
     let sources = Sources::new(&format!("{option} {name}"), &text);
     let declaration = parse::declaration_of(&sources).map_err(|errors| Messages::of(&errors, &sources))?;
