@@ -68,7 +68,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "N", requires = "rank", value_parser = clap::value_parser!(u64).range(1..))]
     ranks: Option<u64>,
     /// Do the share that `mpirun`, `srun` or another launcher gives this process, by its rank in the environment; the
-    /// last that is done makes the table. With the feature `mpi` this is so without saying, and rank 0 makes the table.
+    /// last that is done makes the table. With the feature `mpi` ranks find each other without it, and rank 0 makes the
+    /// table.
     #[arg(long, conflicts_with_all = ["rank", "dry_run", "merge", "summary"])]
     launched: bool,
     /// Make the table of what all ranks have done, and run nothing.
@@ -83,7 +84,7 @@ pub(crate) struct Arguments {
 
 /// Reads, checks, integrates, writes.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
-    let is_alone = arguments.rank.is_some() || arguments.dry_run || arguments.merge;
+    let is_alone = arguments.rank.is_some() || arguments.launched || arguments.dry_run || arguments.merge;
     let ranks = if is_alone { None } else { Ranks::joined() };
     match (run_with(arguments, cache, ranks.as_ref()), &ranks) {
         (Err(failure), Some(ranks)) => {

@@ -221,7 +221,7 @@ fn one_generator_serves_programs_build_scripts_and_tests() {
     assert!(workspace.len() > 8, "{workspace:?}");
     let systems = "-p mbs-models -p mbs-arm -p mbs-platform -p mbs-landing -p mbs-orbit";
     for build in [
-        "--workspace --features mbs-cli/accuracy,mbs-cli/lsp,mbs-cli/parquet,mbs-examples/russell,mbs-runtime/libm,mbs-runtime/rayon",
+        "--workspace --features mbs-cli/accuracy,mbs-cli/lsp,mbs-cli/parquet,mbs-cli/mpi,mbs-runtime/libm,mbs-runtime/rayon",
         "-p mbs-cli -e no-dev",
         "-p mbs-examples -e no-dev",
         "-p mbs-examples --features russell",

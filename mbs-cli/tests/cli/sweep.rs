@@ -178,6 +178,16 @@ fn ranks_of_mpi_go_on_after_one_has_died() {
         eprintln!("skipped: ranks of MPI, there is no mpirun of OpenMPI");
         return;
     }
+    ranks_go_on(&["--launched"]);
+    // With MPI ranks find each other.
+    if cfg!(feature = "mpi") {
+        ranks_go_on(&[]);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[track_caller]
+fn ranks_go_on(arguments: &[&str]) {
     let workshop = workshop();
     workshop.write("plan.toml", PLAN.replace("members = 20", "members = 300"));
     workshop.good(&["sweep", "plan.toml", "--out", "one.csv"]);
@@ -186,8 +196,7 @@ fn ranks_of_mpi_go_on_after_one_has_died() {
         let mut command = std::process::Command::new("mpirun");
         command.args(["--allow-run-as-root", "--oversubscribe", "-n", ranks, program, "sweep", "plan.toml"]);
         command.args(["--out", "all.csv", "--threads", "1"]);
-        // With MPI ranks find each other.
-        command.args(cfg!(not(feature = "mpi")).then_some("--launched"));
+        command.args(arguments);
         command.current_dir(workshop.0.path()).env("MBS_CACHE_DIR", workshop.path("cache"));
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         command
