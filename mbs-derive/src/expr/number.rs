@@ -1,4 +1,8 @@
 //! Exact constants: rationals, and rationals times a power of π; numbers of 100 bits only where exactness ends.
+//!
+//! - `parts`: what sums of a rational and a part of π are as angles.
+
+mod parts;
 
 use std::fmt;
 use std::ops::{Add, Mul, Neg};
@@ -9,7 +13,6 @@ use super::element::Element;
 use super::evaluate::Value;
 use super::function::{Binary, Function};
 use super::image::{Image, Images, NO_IMAGES, UNDEFINED};
-use super::ratio::Ratio;
 use super::rounded::Rounded;
 use super::spline::Spline;
 
@@ -262,54 +265,6 @@ impl Number {
         }
     }
 
-    /// The fraction of 64 bits that it is.
-    fn ratio(self) -> Option<Ratio> {
-        match self {
-            Number::Exact { numerator, denominator, pi: 0 } => Ratio::of(numerator, denominator),
-            Number::Exact { .. } | Number::Real { .. } => None,
-        }
-    }
-
-    /// r and s of `r + s·π`.
-    pub(super) fn parts(self) -> Option<[Ratio; 2]> {
-        match self {
-            Number::Exact { pi: 0, .. } => Some([self.ratio()?, Ratio::ZERO]),
-            Number::Exact { numerator, denominator, pi: 1 } => {
-                Some([Ratio::ZERO, Number::rational(numerator, denominator)?.ratio()?])
-            }
-            Number::Exact { .. } | Number::Real { parts: [_, 0, ..], .. } => None,
-            Number::Real { parts: [r, over_r, s, over_s], .. } => {
-                let ratio = |numerator: i32, denominator: i32| Ratio {
-                    numerator: numerator.into(),
-                    denominator: denominator.into(),
-                };
-                Some([ratio(r, over_r), ratio(s, over_s)])
-            }
-        }
-    }
-
-    /// The same constant, which is `r + s·π`. Where one of them is long its images are not kept: as an angle it would be
-    /// another one there than the sum of the two.
-    fn with_parts(self, parts: Option<[Ratio; 2]>) -> Number {
-        let short = |n: i64| i32::try_from(n).ok();
-        let all = |[r, s]: [Ratio; 2]| {
-            Some([short(r.numerator)?, short(r.denominator)?, short(s.numerator)?, short(s.denominator)?])
-        };
-        match (self, parts) {
-            (Number::Exact { .. }, _) => self,
-            (_, Some([r, Ratio::ZERO])) => {
-                Number::Exact { numerator: r.numerator.into(), denominator: r.denominator.into(), pi: 0 }
-            }
-            (_, Some([Ratio::ZERO, s])) => {
-                Number::Exact { numerator: s.numerator.into(), denominator: s.denominator.into(), pi: 1 }
-            }
-            (Number::Real { value, rest, error, images, .. }, parts) => match parts.and_then(all) {
-                Some(parts) => Number::Real { value, rest, error, images, parts },
-                None => self.without_images(),
-            },
-        }
-    }
-
     /// `f(self)`, where it is not held exactly.
     pub(super) fn call(self, function: Function) -> Number {
         if function == Function::Abs {
@@ -408,16 +363,7 @@ impl Add for Number {
             let number = define(Number::computed(sum, error, in_every_field!(a, other => a + other)), || {
                 Definition::Sum(self, other)
             });
-            // Sums of one power of π are long, and no angles of two parts.
-            let is_of_parts = match (self, other) {
-                (Number::Exact { pi, .. }, Number::Exact { pi: other, .. }) => pi != other,
-                _ => [self, other].iter().all(|n| matches!(n, Number::Exact { .. }) || n.parts().is_some()),
-            };
-            if !is_of_parts {
-                return number;
-            }
-            let parts = self.parts().zip(other.parts());
-            number.with_parts(parts.and_then(|([a, b], [c, d])| Some([a.plus(c)?, b.plus(d)?])))
+            number.as_sum(self, other)
         })
     }
 }
@@ -438,13 +384,7 @@ impl Mul for Number {
             let error = self.to_f64().abs() * other.uncertainty() + other.to_f64().abs() * self.uncertainty();
             let number = Number::computed(product, error, in_every_field!(a, other => a * other));
             let number = define(number, || Definition::Product(self, other));
-            let is_exact = matches!((self, other), (Number::Exact { .. }, Number::Exact { .. }));
-            match (self.parts(), other.parts()) {
-                (Some([r, s]), Some([c, Ratio::ZERO])) | (Some([c, Ratio::ZERO]), Some([r, s])) if !is_exact => {
-                    number.with_parts(r.times(c).zip(s.times(c)).map(|(r, s)| [r, s]))
-                }
-                _ => number,
-            }
+            number.as_product(self, other)
         })
     }
 }
