@@ -391,15 +391,34 @@ impl Resolver<'_> {
             (matrix[(i, j)], matrix[(j, i)]) = (correlation.coefficient.value, correlation.coefficient.value);
         }
         let span = first.of[0].span.start..plan.correlation.last().map_or(0, |last| last.coefficient.span.end);
-        // Variables that are one and the same up to a factor are allowed: the matrix is then singular, and its factor a
-        // limit of those of matrices that are not.
-        let size = matrix.nrows();
-        let relaxed = matrix + DMatrix::identity(size, size) * 1e-12;
-        match relaxed.cholesky() {
-            Some(factor) => Some(factor.unpack()),
+        match lower_factor(&matrix) {
+            Some(factor) => Some(factor),
             None => self.fault(Fault::new(span, "no variables are correlated so: the matrix is not positive definite")),
         }
     }
+}
+
+/// The lower factor L of `L Lᵀ`; a variable that is made of those before it has a column of zeros. `None` where the
+/// matrix is not positive semidefinite.
+fn lower_factor(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
+    const ROUNDING: f64 = 1e-12;
+    let size = matrix.nrows();
+    let mut factor = DMatrix::zeros(size, size);
+    for j in 0..size {
+        let left = |i: usize, factor: &DMatrix<f64>| {
+            (0..j).fold(matrix[(i, j)], |left, k| left - factor[(i, k)] * factor[(j, k)])
+        };
+        let pivot = left(j, &factor);
+        for i in j..size {
+            let rest = left(i, &factor);
+            if pivot > ROUNDING {
+                factor[(i, j)] = rest / pivot.sqrt();
+            } else if pivot < -ROUNDING || rest.abs() > ROUNDING.sqrt() {
+                return None;
+            }
+        }
+    }
+    Some(factor)
 }
 
 #[cfg(test)]
@@ -475,6 +494,16 @@ mod tests {
             &format!("correlation = [[\"m\", \"c\", 0.1]]\n{one}"),
             "p:1:22: there is no drawn variable `c`; one of `m`, `k`, `x`\n",
         );
+    }
+
+    #[test]
+    fn variables_may_be_one_and_the_same() {
+        let text = "members = 50\ncorrelation = [[\"m\", \"k\", 1], [\"k\", \"x\", -1], [\"m\", \"x\", -1]]\n[vary]\n\
+                    m = { normal = [0, 1] }\nk = { normal = [0, 1] }\nx = { normal = [0, 2] }";
+        let design = design(text).unwrap();
+        for values in (0..50).map(|index| design.values(index)) {
+            assert!(values[0] == values[1] && (values[2] + 2.0 * values[0]).abs() < 1e-12, "{values:?}");
+        }
     }
 
     #[test]
