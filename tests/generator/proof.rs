@@ -67,9 +67,9 @@ fn angles_may_be_a_number_and_a_part_of_a_half_turn() {
     }
 }
 
-/// Products of constants that no double holds stay products.
+/// Products of constants that are nearer to 0 than any double stay products.
 #[test]
-fn products_of_constants_may_be_beyond_doubles() {
+fn products_of_constants_may_be_nearer_to_zero_than_doubles() {
     dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e-200*(1e-200*k*x^2);");
     dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e200*(1e200*(1e-300*k*x^2));");
     let squared = "1/2*(dt(x)*1e-170 + 1e-170*dt(y))^2";

@@ -166,14 +166,13 @@ impl Number {
         }
     }
 
-    /// `self · other`; `None` where that is beyond the range of doubles: not finite, or 0 though neither of the two is.
+    /// `self · other`; `None` where neither is 0 and no double is as near to 0 as their product.
     pub(crate) fn times(self, other: Number) -> Option<Number> {
         let product = self * other;
-        let is_within = product.is_zero() == (self.is_zero() || other.is_zero()) && product.to_f64().is_finite();
-        is_within.then_some(product)
+        (product.is_zero() == (self.is_zero() || other.is_zero())).then_some(product)
     }
 
-    /// `self^(halves/2)`; `None` where that is not a real number, or beyond the range of doubles.
+    /// `self^(halves/2)`; `None` where that is not a finite real number.
     pub fn power(self, halves: i32) -> Option<Number> {
         if self.is_zero() {
             return (halves > 0).then_some(Number::ZERO);
@@ -201,7 +200,7 @@ impl Number {
             define(value, || Definition::Power(self, halves))
         };
         let value = exactly().unwrap_or_else(rounded);
-        (value.to_f64().is_finite() && !value.is_zero()).then_some(value)
+        value.to_f64().is_finite().then_some(value)
     }
 
     fn sqrt(self) -> Option<Number> {
