@@ -53,8 +53,6 @@ fn angles_may_be_a_number_and_a_part_of_a_half_turn() {
         "1.5 - pi/3",
         "abs(1 - pi)",
         "x*(1 + pi)",
-        "x + pi^2/3 + pi + 0.5",
-        "x + 0.123456789123456 + pi/7",
         "sqrt(2) + pi + x",
     ];
     for angle in angles {
@@ -76,8 +74,8 @@ fn products_of_constants_may_be_nearer_to_zero_than_doubles() {
     dimensionless(&format!("coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2 + {squared};"));
 }
 
-/// A force on one end reaches the other as the 99th power of a weak coupling, 1e-396. Of the rest Thomas' algorithm says
-/// what it is.
+/// A force on one end reaches the other as the 99th power of a weak coupling, 1e-396. All other accelerations are those
+/// of Thomas' algorithm.
 #[test]
 fn a_long_row_of_masses_may_be_coupled_weakly() {
     const N: usize = 100;

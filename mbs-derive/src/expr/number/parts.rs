@@ -31,8 +31,7 @@ impl Number {
         }
     }
 
-    /// The same constant, which is `r + s·π`. Where one of them is long its images are not kept: as an angle it would be
-    /// another one there than the sum of the two.
+    /// The same constant, which is `r + s·π`; these are kept where they are short.
     fn with_parts(self, parts: Option<[Ratio; 2]>) -> Number {
         let short = |n: i64| i32::try_from(n).ok().filter(|n| *n != i32::MIN);
         let all = |[r, s]: [Ratio; 2]| {
@@ -48,7 +47,7 @@ impl Number {
             }
             (Number::Real { value, rest, error, images, .. }, parts) => match parts.and_then(all) {
                 Some(parts) => Number::Real { value, rest, error, images, parts },
-                None => self.without_images(),
+                None => self,
             },
         }
     }
