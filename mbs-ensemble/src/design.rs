@@ -391,15 +391,13 @@ impl Resolver<'_> {
             (matrix[(i, j)], matrix[(j, i)]) = (correlation.coefficient.value, correlation.coefficient.value);
         }
         let span = first.of[0].span.start..plan.correlation.last().map_or(0, |last| last.coefficient.span.end);
-        match lower_factor(&matrix) {
-            Some(factor) => Some(factor),
-            None => self.fault(Fault::new(span, "no variables are correlated so: the matrix is not positive definite")),
-        }
+        let refusal = "no variables are correlated so: the matrix is not positive definite";
+        lower_factor(&matrix).or_else(|| self.fault(Fault::new(span, refusal)))
     }
 }
 
-/// The lower factor L of `L Lᵀ`; a variable that is made of those before it has a column of zeros. `None` where the
-/// matrix is not positive semidefinite.
+/// The lower factor L of `L Lᵀ`; a variable that is made of those before it has a column of zeros, where nalgebra's
+/// `cholesky` ends. `None` where the matrix is not positive semidefinite.
 fn lower_factor(matrix: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     const ROUNDING: f64 = 1e-12;
     let size = matrix.nrows();

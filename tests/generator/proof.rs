@@ -69,7 +69,6 @@ fn angles_may_be_a_number_and_a_part_of_a_half_turn() {
 #[test]
 fn products_of_constants_may_be_nearer_to_zero_than_doubles() {
     dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e-200*(1e-200*k*x^2);");
-    dimensionless("param k: 1 = 2; coord x: 1; kinetic += dt(x)^2; potential += 1e200*(1e200*(1e-300*k*x^2));");
     let squared = "1/2*(dt(x)*1e-170 + 1e-170*dt(y))^2";
     dimensionless(&format!("coord x: 1; coord y: 1; kinetic += dt(x)^2 + dt(y)^2 + {squared};"));
 }

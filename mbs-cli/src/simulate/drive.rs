@@ -163,12 +163,9 @@ impl Drives<'_> {
         let mut added = String::new();
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
-            if let Some((array, component)) = drive.name.split_once('[') {
-                let (name, component) = (&drive.name, component.trim_end_matches(']').replace("][", "_"));
-                return Err(Failure::new(format_args!(
-                    "{input}: there is no input `{name}`; a component is called as its column is, `{array}_{component}`, \
-                     and an input that is one number by its name, `{array}`"
-                )));
+            // What is no name is no input: `resolved` says so, and which there are.
+            if !drive.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+                continue;
             }
             check_formula(input, &drive.name, formula)?;
             added += &outputs_in(formula, &text, own, &added);

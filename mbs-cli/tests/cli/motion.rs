@@ -137,9 +137,7 @@ fn wrong_formulas_are_refused() {
     bad(&["--input", "push=k*x; force x += push"], &["a formula is one expression"]);
     bad(&["--input", "push=k*y"], &["`y`"]);
     bad(&["--input", "push=push/2"], &["a formula does not depend on inputs"]);
-    let bracketed = "--input: there is no input `push[0]`; a component is called as its column is, `push_0`, and an input \
-                     that is one number by its name, `push`";
-    bad(&["--input", "push[0]=1"], &[bracketed]);
+    bad(&["--input", "push[0]=1"], &["--input: there is no input `push[0]`; the inputs are push"]);
     bad(&["--input", "push=1 N // x"], &["--input push: a formula has no comment; leave out what stands behind `//`"]);
     bad(&["--input", "pull=k*x"], &["--input: there is no input `pull`; the inputs are push"]);
     bad(&["--signal", "wal=a"], &["--signal: there is no prescribed signal `wal`; did you mean \"wall\"?"]);

@@ -203,6 +203,11 @@ impl Number {
         value.to_f64().is_finite().then_some(value)
     }
 
+    /// `self^(halves/2)`; `None` too where self is not 0 and no double is as near to 0 as that.
+    pub(crate) fn kept_power(self, halves: i32) -> Option<Number> {
+        self.power(halves).filter(|power| power.is_zero() == self.is_zero())
+    }
+
     fn sqrt(self) -> Option<Number> {
         if self.is_negative() {
             return None;
@@ -266,6 +271,7 @@ impl Number {
 
     /// `f(self)`, where it is not held exactly.
     pub(super) fn call(self, function: Function) -> Number {
+        // The two parts of an angle stay.
         if function == Function::Abs {
             return if self.is_negative() { -self } else { self };
         }

@@ -36,9 +36,9 @@ impl<'g> Expr<'g> {
         match (self.node(), n.0) {
             (_, 0) => graph.integer(1),
             (_, 2) => self,
-            (Node::Constant(value), halves) => match value.power(halves) {
-                Some(folded) if folded.is_zero() == value.is_zero() => graph.constant(folded),
-                _ => graph.intern(Node::Power(self.id, n)),
+            (Node::Constant(value), halves) => match value.kept_power(halves) {
+                Some(folded) => graph.constant(folded),
+                None => graph.intern(Node::Power(self.id, n)),
             },
             (Node::Neg(a), halves) if halves % 2 == 0 => {
                 let power = graph.expr(a).power(n);

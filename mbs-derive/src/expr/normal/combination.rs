@@ -115,10 +115,7 @@ impl Polynomial {
     /// A whole power of the only term, where there is one.
     pub(crate) fn monomial_power(&self, n: i32) -> Option<Self> {
         let (powers, coefficient) = self.as_term()?;
-        Some(Combination::term(
-            power_of_powers(powers, n)?,
-            coefficient.power(n.checked_mul(2)?).filter(|power| !power.is_zero())?,
-        ))
+        Some(Combination::term(power_of_powers(powers, n)?, coefficient.kept_power(n.checked_mul(2)?)?))
     }
 }
 

@@ -286,8 +286,7 @@ impl<'g, 'k> Expansion<'g, 'k> {
         }
         if let (Some((powers, coefficient)), Some(k)) = (base.as_monomial(), n.to_integer()) {
             let powers = power_of_powers(powers, k)?;
-            let coefficient = coefficient.power(n.to_halves()).filter(|power| !power.is_zero())?;
-            return Some(Combination::term(Term { powers, wave: Wave::One }, coefficient));
+            return Some(Combination::term(Term { powers, wave: Wave::One }, coefficient.kept_power(n.to_halves())?));
         }
         let base = self.expression(base)?;
         Some(match base.as_constant() {
