@@ -185,7 +185,7 @@ fn ranks_of_mpi_go_on_after_one_has_died() {
     }
 }
 
-/// The same, for ranks that find each other by these arguments.
+/// Ranks that find each other by these arguments, of which one is killed, and the table that fewer of them end with.
 #[cfg(target_os = "linux")]
 #[track_caller]
 fn ranks_go_on(arguments: &[&str]) {
