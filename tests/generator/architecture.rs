@@ -226,6 +226,7 @@ fn one_generator_serves_programs_build_scripts_and_tests() {
         "-p mbs-examples -e no-dev",
         "-p mbs-examples --features russell",
         "-p mbs-tests",
+        "-p mbs-benches --no-default-features",
         &format!("{systems} --no-default-features --features libm -e no-dev"),
     ] {
         assert_eq!(parts_of_the_generator(build), workspace, "{build}");
