@@ -1,5 +1,6 @@
 //! `mbs linearize`: the linear system about a state, what it does by itself, and what its inputs reach.
 
+mod along;
 mod exponential;
 mod observation;
 mod reduction;

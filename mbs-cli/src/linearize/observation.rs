@@ -1,12 +1,13 @@
 //! What outputs say of a change of the state: `δy = ∂y/∂q δq + ∂y/∂q̇ δq̇ + ∂y/∂u δu`.
 
-use mbs_derive::expr::Dual;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
 use nalgebra::DMatrix;
 
 use crate::simulate::record::of_output;
 use crate::state::Point;
+
+use super::along::Along;
 
 /// By q, q̇ and u, a row for each component.
 type Slopes = [DMatrix<f64>; 3];
@@ -62,31 +63,18 @@ fn generated(interpreter: &Interpreter<'_>, state: &State, number: usize) -> Opt
 
 /// The derivatives by dual numbers, for every component.
 fn by_duals(derivation: &Derivation, function: &Function, point: &Point) -> [Vec<f64>; 3] {
-    let fixed = |values: &[f64]| values.iter().map(|&x| Dual::fixed(x)).collect::<Vec<Dual<f64>>>();
-    let interpreter = Interpreter::with_parameters(derivation, fixed(&point.parameters));
-    let given = &point.state;
-    let state = State {
-        t: Dual::fixed(given.t),
-        q: fixed(&given.q),
-        qd: fixed(&given.qd),
-        qdd: fixed(&given.qdd),
-        u: fixed(&given.u),
-        prescribed: given.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
-    };
-    type Part<'p> = &'p dyn Fn(&mut State<Dual<f64>>) -> &mut [Dual<f64>];
-    let rows = |width: usize, part: Part<'_>| {
-        let columns: Vec<Vec<f64>> = (0..width)
-            .map(|j| {
-                let mut state = state.clone();
-                part(&mut state)[j].derivative = 1.0;
-                interpreter.evaluate(function, &state).into_iter().map(|value| value.derivative).collect()
-            })
-            .collect();
+    let along = Along::new(derivation, point);
+    let widths = widths(point);
+    [0, 1, 2].map(|part| {
+        let column = |j: usize| {
+            let mut change = widths.map(|width| vec![0.0; width]);
+            change[part][j] = 1.0;
+            along.slope(function, change.each_ref().map(Vec::as_slice))
+        };
+        let columns: Vec<Vec<f64>> = (0..widths[part]).map(column).collect();
         let height = columns.first().map_or(0, Vec::len);
-        (0..height).flat_map(|i| columns.iter().map(move |column| column[i])).collect::<Vec<f64>>()
-    };
-    let [by_q, by_qd, by_u] = widths(point);
-    [rows(by_q, &|state| &mut state.q), rows(by_qd, &|state| &mut state.qd), rows(by_u, &|state| &mut state.u)]
+        (0..height).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
+    })
 }
 
 #[cfg(test)]

@@ -8,6 +8,7 @@ use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
 use crate::failure::Failure;
 use crate::state::Point;
 
+use super::along::Along;
 use super::exponential::exponential;
 use super::observation;
 use super::reduction::{self, Fault, Solution};
@@ -31,25 +32,34 @@ pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[u
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
     let (n, inputs) = (derivation.dof(), component_names(&derivation.inputs).len());
     let call = |kind| interpreter.call(kind, &point.state).expect("every mechanism has it");
-    let [slopes, accelerations] = [FunctionKind::Linearize, FunctionKind::ForwardDynamics].map(call);
-    if !slopes.iter().chain(&accelerations).all(|x| x.is_finite()) {
-        return Err(Failure::new("accelerations, or their derivatives, are infinite or NaN at the state"));
+    let accelerations = call(FunctionKind::ForwardDynamics);
+    if !accelerations.iter().all(|x| x.is_finite()) {
+        return Err(Failure::new("accelerations are infinite or NaN at the state"));
     }
-    let block = |start: usize, width: usize| DMatrix::from_row_slice(n, width, &slopes[start..start + n * width]);
-    let (by_q, by_qd, by_u) = (block(0, n), block(n * n, n), block(2 * n * n, inputs));
 
     let (positions, speeds) = independent_motions(&interpreter, point, independent)?;
     let [p, r, s] = [&positions.slopes, &speeds.slopes, &speeds.constants];
-    let at = |matrix: DMatrix<f64>, rows: &[usize]| matrix.select_rows(rows);
+    let slopes = call(FunctionKind::Linearize);
+    let [by_position, by_speed, by_input] = if slopes.iter().all(|x| x.is_finite()) {
+        let block = |start: usize, width: usize| DMatrix::from_row_slice(n, width, &slopes[start..start + n * width]);
+        let (by_q, by_qd) = (block(0, n), block(n * n, n));
+        [&by_q * p + &by_qd * s, by_qd * r, block(2 * n * n, inputs)]
+    } else {
+        along_admissible_motions(derivation, point, [p, s, r])
+    };
+    if ![&by_position, &by_speed, &by_input].iter().all(|slopes| slopes.iter().all(|x| x.is_finite())) {
+        return Err(Failure::new("derivatives of accelerations are infinite or NaN at the state"));
+    }
+    let at = |matrix: &DMatrix<f64>, rows: &[usize]| matrix.select_rows(rows);
     let (coordinates, named) = (positions.independent.clone(), speeds.independent.clone());
     let (i, j) = (coordinates.len(), named.len());
     let mut a = DMatrix::zeros(i + j, i + j);
-    a.view_mut((0, 0), (i, i)).copy_from(&at(s.clone(), &coordinates));
-    a.view_mut((0, i), (i, j)).copy_from(&at(r.clone(), &coordinates));
-    a.view_mut((i, 0), (j, i)).copy_from(&at(&by_q * p + &by_qd * s, &named));
-    a.view_mut((i, i), (j, j)).copy_from(&at(&by_qd * r, &named));
+    a.view_mut((0, 0), (i, i)).copy_from(&at(s, &coordinates));
+    a.view_mut((0, i), (i, j)).copy_from(&at(r, &coordinates));
+    a.view_mut((i, 0), (j, i)).copy_from(&at(&by_position, &named));
+    a.view_mut((i, i), (j, j)).copy_from(&at(&by_speed, &named));
     let mut b = DMatrix::zeros(i + j, inputs);
-    b.view_mut((i, 0), (j, inputs)).copy_from(&at(by_u, &named));
+    b.view_mut((i, 0), (j, inputs)).copy_from(&at(&by_input, &named));
 
     let outputs = observation::components(derivation);
     let [out_q, out_qd, d] = observation::slopes(derivation, point);
@@ -60,6 +70,35 @@ pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[u
     c.view_mut((0, 0), (outputs.len(), i)).copy_from(&(&out_q * p + &out_qd * s));
     c.view_mut((0, i), (outputs.len(), j)).copy_from(&(&out_qd * r));
     Ok(System { coordinates, speeds: named, outputs, a, b, c, d, accelerations })
+}
+
+/// The derivatives of accelerations by independent coordinates, by independent speeds and by inputs, each along the
+/// motion of all coordinates and speeds that follows.
+///
+/// Where rows depend on others, a change of one coordinate alone may make them contradict each other: `linearize` has
+/// NaN for it, and no sum of its columns is the derivative along a motion on which all rows agree.
+fn along_admissible_motions(
+    derivation: &Derivation,
+    point: &Point,
+    [p, s, r]: [&DMatrix<f64>; 3],
+) -> [DMatrix<f64>; 3] {
+    let (n, along) = (derivation.dof(), Along::new(derivation, point));
+    let function = derivation.function(FunctionKind::ForwardDynamics).expect("every mechanism has it");
+    let by = |changes: [&DMatrix<f64>; 3]| {
+        let column = |j: usize| {
+            let change = changes.map(|change| change.column(j).into_owned());
+            along.slope(function, change.each_ref().map(|change| change.as_slice()))
+        };
+        let columns = changes[0].ncols();
+        DMatrix::from_column_slice(n, columns, &(0..columns).flat_map(column).collect::<Vec<f64>>())
+    };
+    let inputs = point.state.u.len();
+    let none = |columns: usize| DMatrix::zeros(n, columns);
+    [
+        by([p, s, &DMatrix::zeros(inputs, p.ncols())]),
+        by([&none(r.ncols()), r, &DMatrix::zeros(inputs, r.ncols())]),
+        by([&none(inputs), &none(inputs), &DMatrix::identity(inputs, inputs)]),
+    ]
 }
 
 /// `δq = P δq_I` of the holonomic rows, and `δq̇ = S δq_I + R δq̇_J` of all.
