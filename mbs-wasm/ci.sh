@@ -30,9 +30,9 @@ echo "mbs_wasm.wasm: $(wc -c < mbs_wasm.wasm) bytes, $(gzip -9 -c mbs_wasm.wasm 
 
 cargo clippy --locked --profile page --lib --target "$target" -- -D warnings
 node --version 2> /dev/null | grep -qE '^v(2[0-9]|[3-9][0-9])' || { echo "skipped: tests of mbs-wasm, there is no node 20"; exit 0; }
-cargo build --locked --release --bin native
+cargo build --locked --bin native
 absolute() { case "$1" in /*) echo "$1" ;; *) echo "$PWD/$1" ;; esac; }
-MBS_NATIVE="$(absolute "${CARGO_TARGET_DIR:-target}/release/native")"
+MBS_NATIVE="$(absolute "${CARGO_TARGET_DIR:-target}/debug/native")"
 MBS="$(absolute "${MBS:-${CARGO_TARGET_DIR:-../target}/release/mbs}")"
 export MBS_NATIVE MBS
 [ -x "$MBS" ] || echo "skipped: code beside that of the program mbs, $MBS is not built"

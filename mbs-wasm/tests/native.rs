@@ -26,15 +26,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             file.ok_or_else(|| Unreadable::new("it is not there", ""))
         };
         let sources = Sources::gather(&name, request["text"].as_str().ok_or("no text")?, read);
-        let start = std::time::Instant::now();
         let graph = Graph::verbatim();
         let analysis = Analysis::of(&sources, &graph).map_err(|error| error.render_in(&sources))?;
         analysis.prove(analysis.programs())?;
-        let seconds = start.elapsed().as_secs_f64();
         let derivation = analysis.into_programs();
         let states = request["states"].as_array().ok_or("no states")?;
         let values: Vec<Value> = states.iter().map(|state| evaluated(&derivation, state)).collect::<Result<_, _>>()?;
-        writeln!(std::io::stdout(), "{}", json!({ "seconds": seconds, "values": values }))?;
+        writeln!(std::io::stdout(), "{}", json!({ "values": values }))?;
     }
     Ok(())
 }
