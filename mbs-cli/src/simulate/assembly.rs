@@ -118,6 +118,21 @@ pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -
     ))
 }
 
+/// Which row is open though no coordinate changes it, as that of a unit quaternion is where a state leaves it out.
+fn open_for_good(equations: &Equations<'_>, t: f64, motion: &Motion) -> Option<String> {
+    let state = equations.state(t, &motion.q, &motion.qd);
+    let residuals = equations.rows_of(FunctionKind::Constraint, &state);
+    let jacobian = equations.rows_of(FunctionKind::ConstraintJacobian, &state);
+    let row = (0..equations.rows()).find(|&row| {
+        let slopes = &jacobian[row * motion.q.len()..][..motion.q.len()];
+        equations.is_holonomic(row) && residuals[row].abs() > NOTICEABLE && slopes.iter().all(|&slope| slope == 0.0)
+    })?;
+    let (name, residual) = (&equations.row_names()[row], residuals[row]);
+    Some(format!(
+        "; `{name}` is open by {residual:e}, and at this state no coordinate changes it: give other values to those that it is about"
+    ))
+}
+
 /// What went wrong with which row, and where.
 pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f64, motion: &Motion) -> String {
     let name = |row: usize| &equations.row_names()[row];
@@ -144,8 +159,9 @@ pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f6
             format!("constraint `{}` contradicts the others: {residual:e} is left of it, {at}", name(row))
         }
         ConstraintError::SingularMassMatrix(singular) => {
-            let motion = if equations.rows() == 0 { "a motion" } else { "a motion that the constraints leave" };
-            format!("{motion} has no inertia, {at}: {singular}")
+            let what = if equations.rows() == 0 { "a motion" } else { "a motion that the constraints leave" };
+            let open = open_for_good(equations, t, motion).unwrap_or_default();
+            format!("{what} has no inertia, {at}: {singular}{open}")
         }
         ConstraintError::NonFinite => format!("a constraint or its derivative is infinite or NaN, {at}"),
         other => format!("{other}, {at}"),

@@ -181,6 +181,21 @@ fn inertia_is_needed_where_constraints_leave_motion() {
     assert!(report.starts_with("error: a motion that the constraints leave has no inertia, at t = 0.0"), "{report}");
 }
 
+/// A state that leaves out the quaternion of a free body: all its components are zero.
+#[test]
+fn a_quaternion_that_is_left_out_is_named() {
+    let workshop = Workshop::new();
+    workshop.write(
+        "free.mbs",
+        "mechanism Free { coord place[3]: m; coord attitude[4]: 1;
+            kinetic += rigid_body(2 kg, [0, 0, 0], diag(1, 2, 3)*(1 kg*m^2), translation(place)*quaternion(attitude));
+            constraint unit: attitude[0]^2 + attitude[1]^2 + attitude[2]^2 + attitude[3]^2 = 1; }",
+    );
+    let report = workshop.bad(&["simulate", "free.mbs", "--state", r#"{"place": [0, 0, 1]}"#, "--t-end", "1"]);
+    let said = "; `unit` is open by -1e0, and at this state no coordinate changes it: give other values";
+    assert!(report.contains(said), "{report}");
+}
+
 /// Hanging at rest, the rod carries the weight.
 #[test]
 fn the_force_of_constraints_is_evaluated() {
