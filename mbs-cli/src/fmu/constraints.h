@@ -20,10 +20,11 @@ static void fmu_factorized(double *w, double *reciprocal)
 
 /*
  * The least change d in the metric W = M + A^T A of scaled coordinates with A d = -r, by rows made orthogonal one
- * after the other, the longest first; rows that follow from others, or do not take part, are left out. Zero where it
- * cannot be found.
+ * after the other, the longest first; rows that follow from others, or do not take part, are left out. The first one
+ * that follows from others, or K, is `dependent`. Zero where the change cannot be found.
  */
-static int least_change(const double *mass, const double *jacobian, const double *r, const int *takes_part, double *d)
+static int least_change(
+    const double *mass, const double *jacobian, const double *r, const int *takes_part, double *d, int *dependent)
 {
     double scale[N + 1], w[N * N + 1], reciprocal[N + 1], rows[K * N + 1], target[K + 1], length[K + 1], e[N + 1];
     int done[K + 1];
@@ -93,6 +94,8 @@ static int least_change(const double *mass, const double *jacobian, const double
             for (int i = 0; i < N; i++) rows[k * N + i] -= dot / size * row[i];
         }
     }
+    *dependent = 0;
+    while (*dependent < K && done[*dependent]) ++*dependent;
     for (int i = 0; i < N; i++) e[i] *= sqrt(reciprocal[i]);
     for (int i = N; i-- > 0;) {
         for (int j = i + 1; j < N; j++) e[i] -= w[j * N + i] * e[j];
@@ -112,9 +115,10 @@ static double fmu_largest(const double *x, int n)
 static int fmu_projected(const mbs_fmu_model *self, double t, const double *s, double *q, double *qd)
 {
     double mass[N * N + 1], jacobian[K * N + 1], r[K + 1], d[N + 1];
+    int dependent;
     for (int turn = 0; turn < 20; turn++) {
         mbs_fmu_constraints(self, t, s, q, qd, mass, jacobian, r, NULL);
-        if (!least_change(mass, jacobian, r, mbs_fmu_is_holonomic, d)) return 0;
+        if (!least_change(mass, jacobian, r, mbs_fmu_is_holonomic, d, &dependent)) return 0;
         for (int i = 0; i < N; i++) q[i] += d[i];
         if (fmu_largest(d, N) <= 4.0 * DBL_EPSILON * (1.0 + fmu_largest(q, N))) break;
     }
@@ -124,7 +128,7 @@ static int fmu_projected(const mbs_fmu_model *self, double t, const double *s, d
     }
     for (int turn = 0; turn < 2; turn++) {
         mbs_fmu_constraints(self, t, s, q, qd, mass, jacobian, NULL, r);
-        if (!least_change(mass, jacobian, r, NULL, d)) return 0;
+        if (!least_change(mass, jacobian, r, NULL, d, &dependent)) return 0;
         for (int i = 0; i < N; i++) qd[i] += d[i];
     }
     return 1;
@@ -137,6 +141,21 @@ static double fmu_openness(fmu_instance *a)
     fmu_complete(a, 0);
     mbs_fmu_constraints(&a->self, a->v.t, a->v.s, a->v.q, a->v.qd, mass, jacobian, r, rates);
     return fmax(fmu_largest(r, K), fmu_largest(rates, K));
+}
+
+/*
+ * Refuses rows that depend on others: integrators of model exchange leave the constraints, by little, and there such
+ * rows hold what they hold no more when all are closed. Co-simulation stays on them.
+ */
+static int fmu_independent(fmu_instance *a, const char *function)
+{
+    double mass[N * N + 1], jacobian[K * N + 1], r[K + 1], d[N + 1];
+    int dependent = K;
+    mbs_fmu_constraints(&a->self, a->v.t, a->v.s, a->v.q, a->v.qd, mass, jacobian, r, NULL);
+    if (!least_change(mass, jacobian, r, NULL, d, &dependent) || dependent == K) return GOOD;
+    return fmu_refuse(
+        a, FAILED, "%s: constraint `%s` depends on the others: use co-simulation, or leave it out", function,
+        mbs_fmu_rows[dependent]);
 }
 
 static int fmu_closed(fmu_instance *a, const char *function)

@@ -247,6 +247,9 @@ static int fmu_continued(fmu_instance *a, const char *function)
     const int status = parameters_checked(a, function);
     if (status != GOOD) return status;
     fmu_complete(a, 0);
+#if MBS_ROWS > 0
+    if (fmu_independent(a, function) != GOOD) return FAILED;
+#endif
     a->v.mode = CONTINUOUS;
     return GOOD;
 }

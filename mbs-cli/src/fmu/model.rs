@@ -217,6 +217,8 @@ impl Model<'_> {
         }
         let holonomic = self.derivation.holonomic.iter().map(|&is| u8::from(is).to_string());
         text += &array("int", "mbs_fmu_is_holonomic", holonomic);
+        let names = self.derivation.constraints.iter().map(|name| format!("\"{name}\""));
+        text += &array("char *const", "mbs_fmu_rows", names);
         text += &format!(
             "\n/* What a projection needs; null is what is not asked for. */\n\
              static void mbs_fmu_constraints(\n    const mbs_fmu_model *self, {state}, double *mass, double *jacobian, double *phi, double *rate)\n{{\n\

@@ -5,6 +5,7 @@ use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use crate::linearize::CRANKS;
 use crate::{Outcome, Workshop};
 
 const WARNINGS: [&str; 7] = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror"];
@@ -228,6 +229,35 @@ fn motions_are_those_of_the_program() {
             }
         }
     }
+}
+
+/// A row that depends on the others: co-simulation stays on them, the pendulum that all cranks are, and model exchange,
+/// whose integrator leaves them, is refused.
+#[test]
+fn constraints_that_repeat_others_are_for_co_simulation() {
+    let workshop = Workshop::new();
+    workshop.write("cranks.mbs", CRANKS);
+    let (l, q): (f64, f64) = (0.5, 0.7);
+    let state = format!("{{\"q\": [{q}, {q}, {q}, {}, {}, 0]}}", l * q.sin(), -l * q.cos());
+    workshop.good(&["fmu", "cranks.mbs", "--sources-only", "--state", &state, "--out", "a.fmu"]);
+    let Some(folder) = sources(&workshop, "a.fmu") else { return };
+    compiled(&folder, "both.c");
+    let refused = run(&folder, &["1", "1.5", "0.25", "1000"]);
+    let said = "fmi3EnterContinuousTimeMode: constraint `hinge_";
+    assert!(refused.code != 0 && refused.stdout.contains(said), "{}", refused.stdout);
+    assert!(refused.stdout.contains("depends on the others: use co-simulation"), "{}", refused.stdout);
+
+    let pendulum = "mechanism Pendulum { coord q: rad; kinetic += 1/2*(1.25 kg)*(0.25 m^2)*dt(q)^2; \
+        potential -= 1.5*(1 kg)*(9.81 m/s^2)*(0.5 m)*cos(q); }";
+    workshop.write("pendulum.mbs", pendulum);
+    let steps = ["--state", "{\"q\": [0.7]}", "--t-end", "1.5", "--dt", "0.25", "--rtol", "1e-13", "--atol", "1e-15"];
+    let expected = workshop.good(&[&["simulate", "pendulum.mbs"], &steps[..]].concat());
+    let found = run(&folder, &["0", "1.5", "0.25", "1000"]);
+    assert_eq!(found.code, 0, "{}", found.stdout);
+    let angle = |line: &str| line.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+    let pairs: Vec<[f64; 2]> =
+        found.stdout.lines().zip(expected.lines().skip(1)).map(|(a, b)| [angle(a), angle(b)]).collect();
+    assert!(pairs.len() == 7 && pairs.iter().all(|[a, b]| (a - b).abs() < 1e-8), "{pairs:?}");
 }
 
 #[test]

@@ -327,25 +327,26 @@ fn a_four_bar_linkage_is_reduced_to_its_crank() {
 }
 
 /// Three parallel cranks carry a platform, of which two would do: where one of them alone turned, the rows that depend
-/// on others would contradict them. All move as one pendulum, `5/4 m l² q̈ = τ − 3/2 m g l sin q`.
+/// on others would contradict them.
+pub(crate) const CRANKS: &str = "mechanism Cranks {
+    param m: kg = 2; param l: m = 0.5; param g: m/s^2 = 9.81;
+    coord q[3]: rad; coord x: m; coord z: m; coord tilt: rad; input drive: N*m;
+    gravity [0, 0, -g]; force q[0] += drive;
+    let platform = translation([x, 0, z])*rot_y(-tilt);
+    kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2/12, platform);
+    for i in 0..3 {
+        let crank = translation([(i - 1)*l, 0, 0])*rot_y(-q[i]);
+        kinetic += particle(m/3, crank.point([0, 0, -l/2]));
+        constraint hinge[i]: crank.point([0, 0, -l]) = platform.point([(i - 1)*l, 0, 0]);
+    }
+    output lift = z; }";
+
+/// All move as one pendulum, `5/4 m l² q̈ = τ − 3/2 m g l sin q`.
 #[test]
 fn cranks_more_than_needed_are_one_pendulum() {
     let workshop = Workshop::new();
     let (m, l, g): (f64, f64, f64) = (2.0, 0.5, 9.81);
-    workshop.write(
-        "cranks.mbs",
-        "mechanism Cranks { param m: kg = 2; param l: m = 0.5; param g: m/s^2 = 9.81;
-            coord q[3]: rad; coord x: m; coord z: m; coord tilt: rad; input drive: N*m;
-            gravity [0, 0, -g]; force q[0] += drive;
-            let platform = translation([x, 0, z])*rot_y(-tilt);
-            kinetic += rigid_body(m, [0, 0, 0], diag(1, 1, 1)*m*l^2/12, platform);
-            for i in 0..3 {
-                let crank = translation([(i - 1)*l, 0, 0])*rot_y(-q[i]);
-                kinetic += particle(m/3, crank.point([0, 0, -l/2]));
-                constraint hinge[i]: crank.point([0, 0, -l]) = platform.point([(i - 1)*l, 0, 0]);
-            }
-            output lift = z; }",
-    );
+    workshop.write("cranks.mbs", CRANKS);
     for (q, rate) in [(0.0_f64, 0.0), (0.7, 0.0), (0.7, 1.5), (-2.0, -3.0)] {
         let (sin, cos) = q.sin_cos();
         let state = serde_json::json!({
@@ -355,9 +356,9 @@ fn cranks_more_than_needed_are_one_pendulum() {
         });
         let arguments = ["cranks.mbs", "--state", &state.to_string(), "--independent", "q_1"];
         let report = linearized(&workshop, &arguments);
-        assert_matrix(&report["A"], &[&[0.0, 1.0], &[-1.2 * g / l * cos, 0.0]], 1e-9);
-        assert_matrix(&report["B"], &[&[0.0], &[1.0 / (1.25 * m * l * l)]], 1e-12);
-        assert_matrix(&report["C"], &[&[l * sin, 0.0]], 1e-12);
+        assert_matrix(&report["a"], &[&[0.0, 1.0], &[-1.2 * g / l * cos, 0.0]], 1e-9);
+        assert_matrix(&report["b"], &[&[0.0], &[1.0 / (1.25 * m * l * l)]], 1e-12);
+        assert_matrix(&report["c"], &[&[l * sin, 0.0]], 1e-12);
     }
 }
 
