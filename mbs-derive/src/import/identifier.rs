@@ -9,8 +9,9 @@ pub(super) struct Identifiers {
     pub(super) changed: Vec<(String, String)>,
 }
 
-/// What a table of a motion or every mechanism calls otherwise.
-const TAKEN: [&str; 15] = [
+/// What a table of a motion or every mechanism calls otherwise, and the units of the text: `0.1 m` could not be told
+/// from a product where a coordinate is called `m`.
+const TAKEN: [&str; 20] = [
     "energy",
     "g",
     "gravity",
@@ -26,6 +27,11 @@ const TAKEN: [&str; 15] = [
     "rigid_body",
     "inertia",
     "sqrt",
+    "m",
+    "rad",
+    "kg",
+    "N",
+    "s",
 ];
 
 impl Identifiers {
@@ -64,6 +70,12 @@ impl Identifiers {
         }
         found
     }
+}
+
+/// A name in the file's own letters for what has none there: `base`, with a number behind it where it is taken.
+pub(super) fn spare(base: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let numbered = (2..).map(|number| format!("{base}_{number}"));
+    std::iter::once(base.to_string()).chain(numbered).find(|name| !is_taken(name)).unwrap_or_default()
 }
 
 /// ASCII letters, digits and `_`, no digit first.
@@ -114,11 +126,12 @@ mod tests {
             ("", "unnamed"),
             ("ärm/θ", "rm"),
             ("energy", "energy_2"),
+            ("m", "m_2"),
         ];
         for (name, identifier) in expected {
             assert_eq!(claim(name), identifier, "{name}");
         }
-        assert_eq!(names.changed.len(), 9);
+        assert_eq!(names.changed.len(), 10);
         assert_eq!(names.changed[0], ("the link `base link`".to_string(), "base_link".to_string()));
         assert_eq!(["ur5", "my robot-2", "7", "…"].map(of_mechanism), ["Ur5", "MyRobot2", "N7", "Unnamed"]);
     }

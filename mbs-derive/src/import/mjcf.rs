@@ -142,6 +142,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
             joints: Vec::new(),
             fixed_by: None,
             inertial: None,
+            is_weightless: false,
             shapes: Vec::new(),
             notes: Vec::new(),
             span: tag(node),

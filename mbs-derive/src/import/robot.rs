@@ -1,5 +1,8 @@
 //! What all formats say of a robot: bodies on joints, in the order of a walk from the base to the tips.
 
+use std::collections::BTreeSet;
+
+use super::identifier::spare;
 use super::pose::Pose;
 use super::xml::Reader;
 use crate::numeric::moments::{Impossible, principal_moments};
@@ -24,19 +27,38 @@ pub(super) struct Body {
     pub(super) name: String,
     /// None of what stands in the world.
     pub(super) parent: Option<usize>,
-    /// Where it is in the frame of its parent while its joints are at zero; of a free body where it is at first.
+    /// Where it is in the frame of its parent while its joints are at zero; of a free body, whose place is in the world,
+    /// where it is at first.
     pub(super) pose: Pose,
     /// In the order in which they act; none of a fixed body.
     pub(super) joints: Vec<Joint>,
     /// What a fixed joint is called, where it has a name.
     pub(super) fixed_by: Option<String>,
     pub(super) inertial: Option<Inertial>,
+    /// Gravity does not act on it.
+    pub(super) is_weightless: bool,
     pub(super) shapes: Vec<Shape>,
     pub(super) notes: Vec<String>,
     pub(super) span: Span,
 }
 
 impl Body {
+    /// A body without mass at the origin of the world.
+    pub(super) fn new(name: &str, span: Span) -> Self {
+        Body {
+            name: name.to_string(),
+            parent: None,
+            pose: Pose::default(),
+            joints: Vec::new(),
+            fixed_by: None,
+            inertial: None,
+            is_weightless: false,
+            shapes: Vec::new(),
+            notes: Vec::new(),
+            span,
+        }
+    }
+
     /// What is computed from what the file says, and may have overflowed.
     fn numbers(&self) -> Vec<f64> {
         let mut found = self.pose.shift.to_vec();
@@ -94,6 +116,8 @@ pub(super) struct Joint {
     pub(super) anchor: [f64; 3],
     /// The value of its coordinate where the body is at its pose.
     pub(super) zero: f64,
+    /// Of a free joint: its place and attitude are counted from the body's pose; else from the frame of the parent.
+    pub(super) is_from_pose: bool,
     pub(super) mimic: Option<Mimic>,
     pub(super) damping: f64,
     pub(super) friction: f64,
@@ -115,6 +139,7 @@ impl Joint {
             axis: [0.0, 0.0, 1.0],
             anchor: [0.0; 3],
             zero: 0.0,
+            is_from_pose: false,
             mimic: None,
             damping: 0.0,
             friction: 0.0,
@@ -178,13 +203,20 @@ impl Inertial {
         let moments = principal_moments(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
         moments.is_none_or(|moments| Impossible::of(moments).is_none())
     }
+
+    /// Whether it is in no energy.
+    pub(super) fn is_nothing(&self) -> bool {
+        self.mass == 0.0 && self.inertia.iter().all(|&entry| entry == 0.0)
+    }
 }
 
 impl Robot {
     /// What stands in the world, and no joint holds, moves freely.
     pub(super) fn set_free(&mut self) {
+        let joints = self.bodies.iter().flat_map(|body| &body.joints);
+        let names: BTreeSet<String> = joints.map(|joint| joint.name.clone()).collect();
         for body in self.bodies.iter_mut().filter(|body| body.parent.is_none() && body.joints.is_empty()) {
-            let name = format!("{}_joint", body.name);
+            let name = spare(&format!("{}_joint", body.name), |name| names.contains(name));
             body.joints.push(Joint::new(&name, Kind::Free, "free", body.span.clone()));
         }
     }
@@ -221,10 +253,7 @@ impl Robot {
     fn check_moving_masses(&self, reader: &mut Reader) {
         let mut is_heavy = vec![false; self.bodies.len()];
         for (i, body) in self.bodies.iter().enumerate().rev() {
-            let own = body
-                .inertial
-                .as_ref()
-                .is_some_and(|inertial| inertial.mass > 0.0 || inertial.inertia.iter().any(|&entry| entry != 0.0));
+            let own = body.inertial.as_ref().is_some_and(|inertial| !inertial.is_nothing());
             is_heavy[i] |= own;
             if is_heavy[i] {
                 body.parent.into_iter().for_each(|parent| is_heavy[parent] = true);

@@ -233,6 +233,7 @@ impl<'a, 'i> Model<'a, 'i> {
             joints: Vec::new(),
             fixed_by: None,
             inertial: child(node, "inertial").and_then(|inertial| inertia(inertial, name, reader)),
+            is_weightless: false,
             shapes: children(node, "visual").filter_map(|visual| shape(visual, name, reader)).collect(),
             notes: Vec::new(),
             span: tag(node),

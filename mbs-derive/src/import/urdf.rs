@@ -148,6 +148,7 @@ fn body(link: Node<'_, '_>, reader: &mut Reader) -> Body {
     let visuals = children(link, "visual").filter_map(|visual| shape(visual, &name, reader)).collect();
     Body {
         inertial: child(link, "inertial").and_then(|inertial| inertia(inertial, &name, reader)),
+        is_weightless: false,
         name,
         parent: None,
         pose: Pose::default(),

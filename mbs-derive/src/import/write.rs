@@ -10,6 +10,7 @@ use super::robot::{Body, Form, Inertial, Joint, Kind, Robot, Shape};
 use super::xml::Reader;
 
 mod coupling;
+mod effects;
 
 /// The text of a robot, and the names in it.
 pub(super) struct Writer<'r> {
@@ -61,20 +62,31 @@ pub(super) fn text(
 }
 
 /// What is declared behind the name of a joint.
+#[rustfmt::skip]
 fn suffixes(joint: &Joint) -> &'static [&'static str] {
     match joint.kind {
-        _ if joint.mimic.is_some() => {
-            &["_at", "_ref", "_ratio", "_offset", "_damping", "_armature", "_stiffness", "_rest"]
-        }
-        Kind::Hinge => &["_at", "_ref", "_torque", "_damping", "_armature", "_stiffness", "_rest", "_dot"],
-        Kind::Slide => &["_at", "_ref", "_force", "_damping", "_armature", "_stiffness", "_rest", "_dot"],
-        Kind::Planar => &["_at", "_x", "_y", "_angle", "_damping_0", "_damping_1", "_armature_0", "_armature_1"],
-        Kind::Ball => &["_at", "_torque", "_attitude", "_unit", "_damping", "_armature"],
-        Kind::Free => &["_place", "_attitude", "_unit", "_damping_0", "_damping_1", "_armature_0", "_armature_1"],
+        _ if joint.mimic.is_some() => &[
+            "_at", "_ref", "_ratio", "_offset", "_damping", "_armature", "_stiffness", "_rest", "_friction", "_slow",
+        ],
+        Kind::Hinge => &[
+            "_at", "_ref", "_torque", "_damping", "_armature", "_stiffness", "_rest", "_dot", "_friction", "_slow",
+        ],
+        Kind::Slide => &[
+            "_at", "_ref", "_force", "_damping", "_armature", "_stiffness", "_rest", "_dot", "_friction", "_slow",
+        ],
+        Kind::Planar => &[
+            "_at", "_x", "_y", "_angle", "_damping_0", "_damping_1", "_armature_0", "_armature_1", "_friction_0",
+            "_friction_1", "_slow_0", "_slow_1",
+        ],
+        Kind::Ball => &["_at", "_torque", "_attitude", "_unit", "_damping", "_armature", "_friction", "_slow"],
+        Kind::Free => &[
+            "_at", "_place", "_attitude", "_unit", "_damping_0", "_damping_1", "_armature_0", "_armature_1",
+            "_friction_0", "_friction_1", "_slow_0", "_slow_1",
+        ],
     }
 }
 
-const SUFFIXES_OF_LINKS: [&str; 6] = ["_mass", "_com", "_inertia", "_at", "_back_at", "_turning"];
+const SUFFIXES_OF_LINKS: [&str; 7] = ["_mass", "_com", "_inertia", "_at", "_back_at", "_turning", "_centre"];
 
 macro_rules! line {
     ($writer:expr, $($arguments:tt)*) => {
@@ -96,9 +108,15 @@ impl Writer<'_> {
         }
         line!(self, "\n/// The robot `{}`.", quoted(&robot.name));
         line!(self, "mechanism {} {{", of_mechanism(&robot.name));
+        let has_weight = |(body, (_, moves)): (&Body, &(String, bool))| {
+            *moves && !body.is_weightless && body.inertial.as_ref().is_some_and(|inertial| !inertial.is_nothing())
+        };
         match robot.gravity {
             [0.0, 0.0, 0.0] => {
                 line!(self, "    // No gravity.");
+            }
+            _ if !robot.bodies.iter().zip(&self.bodies).any(has_weight) => {
+                line!(self, "    // Gravity acts on no link that moves.");
             }
             [0.0, 0.0, z] if z < 0.0 => {
                 line!(self, "    /// Acceleration of gravity.\n    param g: m/s^2 = {};", shown(-z));
@@ -253,7 +271,7 @@ impl Writer<'_> {
         let pose = self.pose(number);
         line!(self, "    let {name} = {pose};");
         if let Some(inertial) = &body.inertial {
-            self.mass(&name, moves, inertial);
+            self.mass(&name, moves, inertial, body.is_weightless);
         }
         for (k, joint) in body.joints.iter().enumerate() {
             let joint_name = self.names[&(number, k)].clone();
@@ -270,8 +288,8 @@ impl Writer<'_> {
         let name = self.bodies[number].0.clone();
         let mut pose = body.parent.map_or("world".to_string(), |parent| self.bodies[parent].0.clone());
         // A joint that moves about a point elsewhere: there, and back behind the last of the joints.
-        let is_free = body.joints.first().is_some_and(|joint| joint.kind == Kind::Free);
-        let mut fixed = if is_free { Pose::default() } else { body.pose };
+        let is_from_parent = body.joints.first().is_some_and(|joint| joint.kind == Kind::Free && !joint.is_from_pose);
+        let mut fixed = if is_from_parent { Pose::default() } else { body.pose };
         let mut at = if body.joints.len() == 1 { self.names[&(number, 0)].clone() } else { name.clone() };
         for (k, joint) in body.joints.iter().enumerate() {
             let here = Pose { shift: joint.anchor, ..Pose::default() };
@@ -365,21 +383,28 @@ impl Writer<'_> {
         }
     }
 
-    fn mass(&mut self, name: &str, moves: bool, inertial: &Inertial) {
+    fn mass(&mut self, name: &str, moves: bool, inertial: &Inertial, is_weightless: bool) {
         let Inertial { mass, com, inertia, .. } = inertial;
         if !moves {
             line!(self, "    // It does not move: its {} kg are in no energy.", shown(*mass));
             return;
         }
-        if *mass == 0.0 && inertia.iter().all(|&entry| entry == 0.0) {
+        if inertial.is_nothing() {
             line!(self, "    // It has no mass.");
             return;
         }
         let word = if self.options.parameters { "param" } else { "const" };
         line!(self, "    {word} {name}_mass: kg = {};", shown(*mass));
         line!(self, "    {word} {name}_com[3]: m = {};", listed(com));
+        let particle = if is_weightless {
+            line!(self, "    // Gravity does not act on it: by its motion, on which none does.");
+            line!(self, "    let {name}_centre = {name}.point({name}_com);");
+            format!("1/2*{name}_mass*dt({name}_centre).norm_squared()")
+        } else {
+            format!("particle({name}_mass, {name}.point({name}_com))")
+        };
         if inertia.iter().all(|&entry| entry == 0.0) {
-            line!(self, "    kinetic += particle({name}_mass, {name}.point({name}_com));");
+            line!(self, "    kinetic += {particle};");
             return;
         }
         let (shown, what) = match inertia {
@@ -392,100 +417,16 @@ impl Writer<'_> {
             shown.len(),
             listed(&shown)
         );
-        if inertial.is_possible() {
+        if inertial.is_possible() && !is_weightless {
             line!(self, "    kinetic += rigid_body({name}_mass, {name}_com, inertia({name}_inertia), {name});");
-        } else {
+            return;
+        }
+        if !inertial.is_possible() {
             line!(self, "    // No body has this inertia: by its motion, which asks nothing of it.");
-            line!(self, "    kinetic += particle({name}_mass, {name}.point({name}_com));");
-            line!(self, "    let {name}_turning = angular_velocity({name});");
-            line!(self, "    kinetic += 1/2*{name}_turning.dot(({name}*inertia({name}_inertia))*{name}_turning);");
         }
-    }
-
-    /// What acts along a joint.
-    fn effects(&mut self, body: &str, name: &str, joint: &Joint, reader: &mut Reader) {
-        let follows = joint.mimic.is_some();
-        match joint.kind {
-            Kind::Hinge if !follows => {
-                line!(self, "    force {name} += {name}_torque;");
-            }
-            Kind::Slide if !follows => {
-                line!(self, "    force {name} += {name}_force;");
-            }
-            Kind::Ball => {
-                line!(self, "    torque on {body} += {body} * {name}_torque;");
-            }
-            Kind::Hinge | Kind::Slide | Kind::Planar | Kind::Free => {}
-        }
-        if matches!(joint.kind, Kind::Ball | Kind::Free) && !self.options.angles {
-            let squares: Vec<String> = (0..4).map(|i| format!("{name}_attitude[{i}]^2")).collect();
-            line!(self, "    constraint {name}_unit: {} = 1;", squares.join(" + "));
-        }
-        // Squares of the joint's rates, each with the unit of what multiplies it.
-        let rates: Vec<(String, &str)> = match joint.kind {
-            Kind::Hinge => vec![(format!("dt({name})^2"), "rad")],
-            Kind::Slide => vec![(format!("dt({name})^2"), "m")],
-            Kind::Planar => {
-                vec![(format!("(dt({name}_x)^2 + dt({name}_y)^2)"), "m"), (format!("dt({name}_angle)^2"), "rad")]
-            }
-            Kind::Ball | Kind::Free => {
-                let squares = |what: &str, n: usize| {
-                    let all: Vec<String> = (0..n).map(|i| format!("dt({name}_{what}[{i}])^2")).collect();
-                    format!("({})", all.join(" + "))
-                };
-                let place = (joint.kind == Kind::Free).then(|| (squares("place", 3), "m"));
-                // Of a unit quaternion ω² is four times the square of its rate.
-                place.into_iter().chain([(format!("4*{}", squares("attitude", 4)), "rad")]).collect()
-            }
-        };
-        let several = rates.len() > 1;
-        let acts = [joint.damping, joint.armature, joint.stiffness].iter().any(|&number| number != 0.0);
-        if acts && matches!(joint.kind, Kind::Ball | Kind::Free) && self.options.angles {
-            let message = format!("the damping or armature of the joint `{}` is not that of its angles", joint.name);
-            reader.refuse(joint.span.clone(), message, "import it with a quaternion");
-            return;
-        }
-        if joint.stiffness != 0.0 && matches!(joint.kind, Kind::Ball | Kind::Free | Kind::Planar) {
-            let message = format!(
-                "the spring of the joint `{}` is not imported: the joint turns about more than an axis",
-                joint.name
-            );
-            reader.refuse(joint.span.clone(), message, "leave it out, and write it as an energy beside the import");
-            return;
-        }
-        let index = |i: usize| if several { format!("_{i}") } else { String::new() };
-        for (i, (rate, unit)) in rates.iter().enumerate().filter(|_| joint.damping != 0.0) {
-            let unit = if *unit == "m" { "N*s/m" } else { "N*m*s" };
-            line!(self, "    const {name}_damping{}: {unit} = {};", index(i), shown(joint.damping));
-            line!(self, "    dissipation += 1/2*{name}_damping{}*{rate};", index(i));
-        }
-        for (i, (rate, unit)) in rates.iter().enumerate().filter(|_| joint.armature != 0.0) {
-            let unit = if *unit == "m" { "kg" } else { "kg*m^2" };
-            line!(
-                self,
-                "    const {name}_armature{}: {unit} = {}; // of the drive's rotor",
-                index(i),
-                shown(joint.armature)
-            );
-            line!(self, "    kinetic += 1/2*{name}_armature{}*{rate};", index(i));
-        }
-        if joint.stiffness != 0.0 {
-            let (unit, way) = if joint.kind == Kind::Slide { ("N/m", "m") } else { ("N*m", "rad") };
-            line!(self, "    const {name}_stiffness: {unit} = {};", shown(joint.stiffness));
-            line!(self, "    const {name}_rest: {way} = {};", shown(joint.rest));
-            line!(self, "    potential += 1/2*{name}_stiffness*({name} - {name}_rest)^2;");
-        }
-        if joint.friction != 0.0 {
-            let (unit, slow) = if joint.kind == Kind::Slide { ("N", "m/s") } else { ("N*m", "rad/s") };
-            line!(
-                self,
-                "    // Dry friction of {} {unit} is left out: it has a jump at rest. Rounded off below a slow rate it would be",
-                shown(joint.friction)
-            );
-            line!(self, "    // const {name}_friction: {unit} = {};", shown(joint.friction));
-            line!(self, "    // const {name}_slow: {slow} = 1e-3;");
-            line!(self, "    // dissipation += {name}_friction*sqrt(dt({name})^2 + {name}_slow^2);");
-        }
+        line!(self, "    kinetic += {particle};");
+        line!(self, "    let {name}_turning = angular_velocity({name});");
+        line!(self, "    kinetic += 1/2*{name}_turning.dot(({name}*inertia({name}_inertia))*{name}_turning);");
     }
 
     // ---- shapes
