@@ -16,6 +16,9 @@ mod urdf;
 mod write;
 mod xml;
 
+#[cfg(test)]
+mod tests;
+
 use crate::diagnostic::Diagnostics;
 use xml::Reader;
 

@@ -44,6 +44,11 @@ impl Pose {
         Pose { turn, shift, rpy: None }
     }
 
+    /// Of a place and a quaternion, scalar part first, of any length but 0.
+    pub(super) fn of_quaternion(shift: [f64; 3], quaternion: [f64; 4]) -> Self {
+        Pose::of_turn(shift, of_quaternion(quaternion))
+    }
+
     /// First `self`, then `inner` in its axes.
     pub(super) fn then(&self, inner: &Pose) -> Pose {
         let shift = plus(self.shift, turned(&self.turn, inner.shift));
@@ -151,6 +156,35 @@ pub(super) fn turned_inertia(turn: &Turn, [xx, yy, zz, xy, xz, yz]: [f64; 6]) ->
     let inner = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
     let m = product(&product(turn, &inner), &transposed(turn));
     [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]]
+}
+
+/// An inertia, `xx yy zz xy xz yz`, whose principal moments are `least` where they are smaller.
+///
+/// Source: Golub, Van Loan, *Matrix Computations*, 2013, section 8.5: cyclic Jacobi rotations.
+pub(super) fn raised_inertia([xx, yy, zz, xy, xz, yz]: [f64; 6], least: f64) -> [f64; 6] {
+    // It converges quadratically: six sweeps are enough for doubles.
+    const SWEEPS: usize = 10;
+    let mut m = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let mut axes = STRAIGHT;
+    for (p, q) in [(0, 1), (0, 2), (1, 2)].into_iter().cycle().take(3 * SWEEPS) {
+        if m[p][q] == 0.0 {
+            continue;
+        }
+        let cotangent = (m[q][q] - m[p][p]) / (2.0 * m[p][q]);
+        let tangent = 1.0_f64.copysign(cotangent) / (cotangent.abs() + libm::sqrt(cotangent * cotangent + 1.0));
+        let cosine = 1.0 / libm::sqrt(tangent * tangent + 1.0);
+        let mut turn = STRAIGHT;
+        (turn[p][p], turn[q][q]) = (cosine, cosine);
+        (turn[p][q], turn[q][p]) = (tangent * cosine, -tangent * cosine);
+        m = product(&transposed(&turn), &product(&m, &turn));
+        axes = product(&axes, &turn);
+    }
+    let moments = [m[0][0], m[1][1], m[2][2]];
+    if moments.iter().all(|&moment| moment >= least) {
+        return [xx, yy, zz, xy, xz, yz];
+    }
+    let [a, b, c] = moments.map(|moment| moment.max(least));
+    turned_inertia(&axes, [a, b, c, 0.0, 0.0, 0.0])
 }
 
 // ---- as text
@@ -263,6 +297,19 @@ mod tests {
         assert_eq!(factors(&Pose::of_turn([0.0; 3], of_quaternion([0.5, 0.5, 0.5, 0.5]))), " * rpy(90 deg, 0, 90 deg)");
         assert_eq!(factors(&Pose::of_turn([0.0; 3], of_quaternion([0.0, 1.0, 0.0, 0.0]))), " * rot_x(180 deg)");
         assert_eq!(factors(&Pose::of_turn([0.0; 3], of_quaternion([1.0, 0.0, 1.0, 0.0]))), " * rot_y(90 deg)");
+    }
+
+    /// diag(1, 4, 9)/9 in the axes (2, 2, 1)/3, (−2, 1, 2)/3, (1, −2, 2)/3, of which the first two become 6/9.
+    #[test]
+    fn principal_moments_are_raised_in_their_axes() {
+        let rotated = [29.0, 44.0, 53.0, -22.0, 4.0, -26.0].map(|entry: f64| entry / 81.0);
+        assert_eq!(raised_inertia(rotated, 0.1), rotated);
+        // 6/9 I + 3/9 v vᵀ with v = (1, −2, 2)/3.
+        let expected = [6.0 + 3.0 / 9.0, 6.0 + 12.0 / 9.0, 6.0 + 12.0 / 9.0, -6.0 / 9.0, 6.0 / 9.0, -12.0 / 9.0];
+        let found = raised_inertia(rotated, 6.0 / 9.0);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b / 9.0).abs() < 1e-15), "{found:?}");
+        assert_eq!(raised_inertia([0.0; 6], 0.05), [0.05, 0.05, 0.05, 0.0, 0.0, 0.0]);
+        assert_eq!(raised_inertia([0.001, 0.1, 0.1, 0.0, 0.0, 0.0], 0.05), [0.05, 0.1, 0.1, 0.0, 0.0, 0.0]);
     }
 
     #[test]

@@ -146,31 +146,25 @@ fn walk(links: &[Node<'_, '_>], hangs: &[(usize, usize)], reader: &mut Reader) -
 fn body(link: Node<'_, '_>, reader: &mut Reader) -> Body {
     let name = link.attribute("name").unwrap_or_default().to_string();
     let visuals = children(link, "visual").filter_map(|visual| shape(visual, &name, reader)).collect();
-    Body {
-        inertial: child(link, "inertial").and_then(|inertial| inertia(inertial, &name, reader)),
-        is_weightless: false,
-        name,
-        parent: None,
-        pose: Pose::default(),
-        joints: Vec::new(),
-        fixed_by: None,
-        shapes: visuals,
-        notes: Vec::new(),
-        span: tag(link),
-    }
+    let inertial = child(link, "inertial").and_then(|inertial| inertia(inertial, &name, reader));
+    Body { inertial, shapes: visuals, ..Body::new(&name, tag(link)) }
 }
 
-/// `<origin xyz="…" rpy="…"/>` of an element; nowhere else where there is none.
-pub(super) fn origin(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose {
+/// `<origin xyz="…" rpy="…"/>` of an element, or `quat_xyzw` in place of `rpy`; nowhere else where there is none.
+fn origin(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose {
     let Some(origin) = child(node, "origin") else { return Pose::default() };
-    let mut read = |name: &str, what: String| reader.array::<3>(origin, name, &what);
-    let shift = read("xyz", format!("the origin of {of}"));
-    match read("rpy", format!("the attitude of {of}")) {
-        Some(rpy) => {
-            reader.doubt_angles(rpy, place(origin, "rpy"), of);
-            Pose::of_rpy(shift.unwrap_or_default(), rpy)
+    let shift = reader.array(origin, "xyz", &format!("the origin of {of}")).unwrap_or_default();
+    let what = format!("the attitude of {of}");
+    if let Some(rpy) = reader.array(origin, "rpy", &what) {
+        reader.doubt_angles(rpy, place(origin, "rpy"), of);
+        if origin.has_attribute("quat_xyzw") {
+            reader.refuse(tag(origin), format!("{what} is stated twice"), "leave out `rpy` or `quat_xyzw`");
         }
-        None => Pose { shift: shift.unwrap_or_default(), ..Pose::default() },
+        return Pose::of_rpy(shift, rpy);
+    }
+    match reader.array(origin, "quat_xyzw", &what) {
+        Some(quaternion) => reader.attitude(shift, quaternion, place(origin, "quat_xyzw"), &what),
+        None => Pose { shift, ..Pose::default() },
     }
 }
 
@@ -240,7 +234,7 @@ fn moved(body: &mut Body, node: Node<'_, '_>, reader: &mut Reader) {
             return;
         }
     };
-    let mut joint = Joint::new(name, kind, word, tag(node));
+    let mut joint = Joint { is_from_pose: true, ..Joint::new(name, kind, word, tag(node)) };
     if let Some(axis) = child(node, "axis") {
         joint.axis = reader.array(axis, "xyz", &format!("the axis of the joint `{name}`")).unwrap_or([1.0, 0.0, 0.0]);
     } else {

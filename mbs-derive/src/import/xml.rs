@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
+use super::identifier::shown;
+use super::pose::{Pose, norm};
 use crate::diagnostic::{Code, Diagnostics};
 use crate::span::Span;
 
@@ -131,6 +133,15 @@ impl Reader {
         }
     }
 
+    /// A place with the attitude of a quaternion, `x y z w`; one without direction is reported.
+    pub(super) fn attitude(&mut self, shift: [f64; 3], [x, y, z, w]: [f64; 4], place: Span, what: &str) -> Pose {
+        if norm(&[x, y, z, w]) < 1e-12 {
+            self.refuse(place, format!("{what} has no direction"), "a unit quaternion has the length 1");
+            return Pose::default();
+        }
+        Pose::of_quaternion(shift, [w, x, y, z])
+    }
+
     /// An attribute that must be there.
     pub(super) fn wanted<'a>(&mut self, node: Node<'a, '_>, attribute: &str, of: &str) -> Option<&'a str> {
         let found = node.attribute(attribute).filter(|value| !value.trim().is_empty());
@@ -138,6 +149,18 @@ impl Reader {
             self.refuse(place(node, attribute), format!("{of} has no `{attribute}`"), "");
         }
         found
+    }
+
+    /// The word of an attribute, one of `words`; another one is reported.
+    pub(super) fn word<'w>(&mut self, node: Node<'_, '_>, name: &str, words: &[&'w str]) -> Option<&'w str> {
+        let given = node.attribute(name)?;
+        let found = words.iter().find(|word| **word == given.trim());
+        if found.is_none() {
+            let all: Vec<String> = words.iter().map(|word| format!("`{word}`")).collect();
+            let help = format!("there are {}", all.join(", "));
+            self.refuse(place(node, name), format!("`{name}` cannot be `{}`", shown(given)), &help);
+        }
+        found.copied()
     }
 
     /// The places of links among `links` by their names; two of one name are refused.
