@@ -9,15 +9,17 @@ mod class;
 mod equality;
 mod geom;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::pose::{Pose, of_quaternion, transposed, turned, turned_inertia};
+use super::identifier::spare;
+use super::pose::{Pose, raised_inertia, transposed, turned, turned_inertia};
 use super::robot::{Body, Inertial, Joint, Kind, Robot};
 use super::urdf::together;
 use super::xml::{Reader, child, children, place, tag};
-use class::Settings;
+use crate::numeric::moments::{Impossible, principal_moments};
+use class::{BOOLEANS, DAMPERS, FRICTION, SPRINGS, Settings};
 
 /// A file while it is read.
 struct File<'a, 'i, 'r> {
@@ -25,7 +27,9 @@ struct File<'a, 'i, 'r> {
     robot: Robot,
     /// Bodies by their names.
     bodies: BTreeMap<String, usize>,
-    joints: BTreeMap<String, ()>,
+    joints: BTreeSet<String>,
+    /// The names that bodies and joints have in the file, each with its kind: other names give way.
+    named: BTreeSet<(&'static str, String)>,
     /// Of each site its body and where it is.
     sites: BTreeMap<String, (Option<usize>, Pose)>,
     reader: &'r mut Reader,
@@ -67,18 +71,23 @@ pub(super) fn robot<'a, 'i>(root: Node<'a, 'i>, reader: &mut Reader) -> Option<R
         robot: Robot { name, gravity: settings.gravity, ..Robot::default() },
         settings,
         bodies: BTreeMap::new(),
-        joints: BTreeMap::new(),
+        joints: BTreeSet::new(),
+        named: named(root),
         sites: BTreeMap::new(),
         reader,
     };
     let around = Around { body: None, class: file.settings.main.clone(), frame: Pose::default() };
-    let mut waiting: Vec<(Node<'a, 'i>, Around)> = Vec::new();
-    let worlds: Vec<Node<'a, 'i>> = children(root, "worldbody").collect();
-    for world in worlds.into_iter().rev() {
-        file.contents(world, &around, &mut waiting);
+    let mut stack: Vec<(Node<'a, 'i>, Around)> = Vec::new();
+    for world in children(root, "worldbody").collect::<Vec<_>>() {
+        for (element, around) in file.within(world, around.clone()) {
+            match element.tag_name().name() {
+                "body" => stack.push((element, around)),
+                "site" => file.site(element, &around),
+                _ => {}
+            }
+        }
     }
-    waiting.reverse();
-    let mut stack = waiting;
+    stack.reverse();
     // The last one is next, so that bodies stand in the order of the file, each behind its parent.
     while let Some((node, around)) = stack.pop() {
         let mut below = Vec::new();
@@ -100,54 +109,51 @@ pub(super) fn robot<'a, 'i>(root: Node<'a, 'i>, reader: &mut Reader) -> Option<R
 }
 
 impl<'a, 'i> File<'a, 'i, '_> {
-    /// Bodies in an element, with what is around them, and what else stands in it: geoms and sites of the world.
-    fn contents(&mut self, node: Node<'a, 'i>, around: &Around, bodies: &mut Vec<(Node<'a, 'i>, Around)>) {
-        let mut waiting = vec![(node, around.clone())];
-        while let Some((node, around)) = waiting.pop() {
-            let mut inner = Vec::new();
-            for element in node.children().filter(Node::is_element) {
-                match element.tag_name().name() {
-                    "body" => bodies.push((element, around.clone())),
-                    "frame" => {
-                        let class = element.attribute("childclass").unwrap_or(&around.class).to_string();
-                        let pose = self.settings.pose(element, &around.class, "frame", self.reader);
-                        inner.push((element, Around { body: around.body, class, frame: around.frame.then(&pose) }));
-                    }
-                    "site" => {
-                        let pose = self.settings.pose(element, &around.class, "site", self.reader);
-                        if let Some(name) = element.attribute("name") {
-                            self.sites.insert(name.to_string(), (around.body, around.frame.then(&pose)));
-                        }
-                    }
-                    _ => {}
+    /// What stands in an element, in the order of the document, with what is around it: frames are gone through.
+    fn within(&mut self, node: Node<'a, 'i>, around: Around) -> Vec<(Node<'a, 'i>, Around)> {
+        let mut found = Vec::new();
+        let mut waiting = vec![(node, around)];
+        while let Some((element, around)) = waiting.pop() {
+            let inside = match element.tag_name().name() {
+                _ if element == node => around,
+                "frame" => {
+                    self.settings.check_class(element, "childclass", self.reader);
+                    let class = element.attribute("childclass").unwrap_or(&around.class).to_string();
+                    let pose = self.settings.pose(element, &around.class, "frame", self.reader);
+                    Around { class, frame: around.frame.then(&pose), ..around }
                 }
-            }
-            waiting.extend(inner.into_iter().rev());
+                _ => {
+                    found.push((element, around));
+                    continue;
+                }
+            };
+            let elements = element.children().rev().filter(Node::is_element);
+            waiting.extend(elements.map(|element| (element, inside.clone())));
+        }
+        found
+    }
+
+    fn site(&mut self, node: Node<'a, 'i>, around: &Around) {
+        let pose = self.settings.pose(node, &around.class, "site", self.reader);
+        if let Some(name) = node.attribute("name") {
+            self.sites.insert(name.to_string(), (around.body, around.frame.then(&pose)));
         }
     }
 
     fn body(&mut self, node: Node<'a, 'i>, around: &Around, below: &mut Vec<(Node<'a, 'i>, Around)>) {
         let number = self.robot.bodies.len();
-        let name = node.attribute("name").map_or_else(|| format!("body_{}", number + 1), str::to_string);
+        let name = node.attribute("name").map_or_else(
+            || spare(&format!("body_{}", number + 1), |name| self.named.contains(&("body", name.to_string()))),
+            str::to_string,
+        );
         if self.bodies.insert(name.clone(), number).is_some() {
             self.reader.refuse(place(node, "name"), format!("a second body is called `{name}`"), "names are unique");
         }
         let class = node.attribute("childclass").unwrap_or(&around.class).to_string();
         self.settings.check_class(node, "childclass", self.reader);
         let pose = around.frame.then(&self.settings.pose(node, &around.class, "body", self.reader));
-        let mut body = Body {
-            name: name.clone(),
-            parent: around.body,
-            pose,
-            joints: Vec::new(),
-            fixed_by: None,
-            inertial: None,
-            is_weightless: false,
-            shapes: Vec::new(),
-            notes: Vec::new(),
-            span: tag(node),
-        };
-        if node.attribute("mocap") == Some("true") {
+        let mut body = Body { parent: around.body, pose, ..Body::new(&name, tag(node)) };
+        if self.reader.word(node, "mocap", &BOOLEANS) == Some("true") {
             body.notes.push("A mocap body: it stands where the file has it.".to_string());
         }
         if let Some(lifted) = self.reader.number(node, "gravcomp", "`gravcomp`").filter(|lifted| *lifted != 0.0) {
@@ -158,26 +164,19 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 "leave it out, and write it as a force beside the import",
             );
         }
-        let inside = Around { body: Some(number), class, frame: Pose::default() };
-        let mut masses = Vec::new();
-        let mut waiting = vec![(node, inside.clone())];
-        while let Some((element, around)) = waiting.pop() {
-            let mut inner = Vec::new();
-            for element in element.children().filter(Node::is_element) {
-                match element.tag_name().name() {
-                    "joint" | "freejoint" => self.joint(element, &around, &mut body),
-                    "geom" => masses.extend(self.geom(element, &around, &mut body)),
-                    "frame" => {
-                        let class = element.attribute("childclass").unwrap_or(&around.class).to_string();
-                        let pose = self.settings.pose(element, &around.class, "frame", self.reader);
-                        inner.push((element, Around { body: around.body, class, frame: around.frame.then(&pose) }));
-                    }
-                    _ => {}
-                }
+        let (mut masses, mut stated) = (Vec::new(), None);
+        for (element, around) in self.within(node, Around { body: Some(number), class, frame: Pose::default() }) {
+            match element.tag_name().name() {
+                "joint" | "freejoint" => self.joint(element, &around, &mut body),
+                "geom" => masses.extend(self.geom(element, &around, &mut body)),
+                // Of several the last one counts.
+                "inertial" => stated = Some((element, around)),
+                "site" => self.site(element, &around),
+                "body" => below.push((element, around)),
+                _ => {}
             }
-            waiting.extend(inner.into_iter().rev());
         }
-        body.inertial = self.inertial(node, &name, masses);
+        body.inertial = self.inertial(node, &name, masses, stated);
         if body.joints.len() > 1 && body.joints.iter().any(|joint| joint.kind == Kind::Free) {
             self.reader.refuse(
                 tag(node),
@@ -193,7 +192,6 @@ impl<'a, 'i> File<'a, 'i, '_> {
             );
         }
         self.robot.bodies.push(body);
-        self.contents(node, &inside, below);
     }
 
     /// What the body weighs: as stated, or by its geoms.
@@ -202,10 +200,10 @@ impl<'a, 'i> File<'a, 'i, '_> {
         node: Node<'a, 'i>,
         name: &str,
         masses: Vec<(Option<Inertial>, Node<'a, 'i>)>,
+        stated: Option<(Node<'a, 'i>, Around)>,
     ) -> Option<Inertial> {
-        let stated = child(node, "inertial");
-        let by_geoms = match self.settings.inertia_from_geom.as_str() {
-            "true" => true,
+        let by_geoms = match self.settings.inertia_from_geom {
+            "true" => !masses.is_empty() || stated.is_none(),
             "false" => false,
             _ => stated.is_none(),
         };
@@ -225,23 +223,17 @@ impl<'a, 'i> File<'a, 'i, '_> {
             }
             together(&known)
         } else {
-            stated.and_then(|inertial| self.stated(inertial, name))
+            stated.and_then(|(inertial, around)| self.stated(inertial, &around.frame, name))
         };
-        found.map(|inertial| self.bounded(inertial))
-    }
-
-    fn bounded(&self, mut inertial: Inertial) -> Inertial {
         let Settings { bound_mass, bound_inertia, .. } = self.settings;
-        inertial.mass = inertial.mass.max(bound_mass);
-        if bound_inertia > 0.0 {
-            (0..3).for_each(|i| inertial.inertia[i] = inertial.inertia[i].max(bound_inertia));
-        }
-        inertial
+        let nothing = Inertial { mass: 0.0, com: [0.0; 3], inertia: [0.0; 6], span: tag(node) };
+        let is_bounded = bound_mass > 0.0 || bound_inertia > 0.0;
+        found.or(is_bounded.then_some(nothing)).map(|inertial| bounded(inertial, bound_mass, bound_inertia))
     }
 
-    fn stated(&mut self, node: Node<'a, 'i>, name: &str) -> Option<Inertial> {
+    fn stated(&mut self, node: Node<'a, 'i>, frame: &Pose, name: &str) -> Option<Inertial> {
         let of = format!("the inertial of the body `{name}`");
-        let pose = self.settings.pose(node, "", "inertial", self.reader);
+        let pose = frame.then(&self.settings.pose(node, "", "inertial", self.reader));
         self.reader.wanted(node, "mass", &of)?;
         let mass = self.reader.number(node, "mass", &format!("the mass of the body `{name}`"))?;
         let what = format!("the inertia of the body `{name}`");
@@ -267,11 +259,10 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let holder = |name: &str| if is_free { node } else { settings.holder(node, "joint", &class, name) };
         let name = node.attribute("name").map_or_else(
             || {
-                if body.joints.is_empty() {
-                    format!("{}_joint", body.name)
-                } else {
-                    format!("{}_joint_{}", body.name, body.joints.len() + 1)
-                }
+                let number = if body.joints.is_empty() { String::new() } else { format!("_{}", body.joints.len() + 1) };
+                spare(&format!("{}_joint{number}", body.name), |name| {
+                    self.named.contains(&("joint", name.to_string())) || self.joints.contains(name)
+                })
             },
             str::to_string,
         );
@@ -287,7 +278,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 return;
             }
         };
-        if self.joints.insert(name.clone(), ()).is_some() {
+        if !self.joints.insert(name.clone()) {
             reader.refuse(place(node, "name"), format!("a second joint is called `{name}`"), "names are unique");
         }
         let mut joint = Joint::new(&name, kind, word, tag(node));
@@ -311,10 +302,14 @@ impl<'a, 'i> File<'a, 'i, '_> {
             }
             numbers.first().copied()
         };
-        joint.damping = first("damping", "the damping").unwrap_or(0.0);
-        joint.stiffness = first("stiffness", "the stiffness").unwrap_or(0.0);
         joint.armature = first("armature", "the armature").unwrap_or(0.0);
-        joint.friction = first("frictionloss", "the friction").unwrap_or(0.0);
+        let mut acting = |name: &str, what: &str, flags: &[&str]| {
+            let value = first(name, what).unwrap_or(0.0);
+            if value > 0.0 && settings.is_disabled(flags) { 0.0 } else { value }
+        };
+        joint.damping = acting("damping", "the damping", &DAMPERS);
+        joint.stiffness = acting("stiffness", "the stiffness", &SPRINGS);
+        joint.friction = acting("frictionloss", "the friction", &FRICTION);
         joint.zero = first("ref", "`ref`").unwrap_or(0.0) * angle;
         joint.rest = first("springref", "`springref`").unwrap_or(0.0) * angle;
         if [joint.damping, joint.stiffness, joint.armature, joint.friction].iter().any(|&number| number < 0.0) {
@@ -324,9 +319,17 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 "",
             );
         }
+        let tuned = holder("springdamper");
+        if let Some([time, ratio]) = reader.array::<2>(tuned, "springdamper", &of("`springdamper`"))
+            && (time, ratio) != (0.0, 0.0)
+        {
+            let message = format!("the joint `{name}` has its spring by `springdamper`, which is not imported");
+            let help = "write `stiffness` and `damping`: `mj_saveLastXML` of MuJoCo gives their values";
+            reader.refuse(place(tuned, "springdamper"), message, help);
+        }
         if kind != Kind::Free
             && let Some([low, high]) = reader.array::<2>(holder("range"), "range", &of("the range"))
-            && holder("limited").attribute("limited") != Some("false")
+            && reader.word(holder("limited"), "limited", &["auto", "true", "false"]) != Some("false")
         {
             let angle = if kind == Kind::Slide { 1.0 } else { settings.angle };
             let way = if kind == Kind::Slide { "m" } else { "rad" };
@@ -366,7 +369,32 @@ fn of_axes([a, b, c, d, e, f]: [f64; 6]) -> Option<Pose> {
     (length > 1e-12 && size > 1e-12).then(|| Pose::of_turn([0.0; 3], turn))
 }
 
-/// A pose by place and quaternion.
-fn of_place_and_quaternion(shift: [f64; 3], quaternion: [f64; 4]) -> Pose {
-    Pose::of_turn(shift, of_quaternion(quaternion))
+/// The names of bodies and joints that the file gives.
+fn named(root: Node<'_, '_>) -> BTreeSet<(&'static str, String)> {
+    let mut names = BTreeSet::new();
+    for element in root.descendants().filter(Node::is_element) {
+        let kind = match element.tag_name().name() {
+            "body" => "body",
+            "joint" | "freejoint" => "joint",
+            _ => continue,
+        };
+        names.extend(element.attribute("name").map(|name| (kind, name.to_string())));
+    }
+    names
+}
+
+/// At least the mass and the principal moments of `boundmass` and `boundinertia`. What is negative stays, and is refused.
+fn bounded(inertial: Inertial, least_mass: f64, least_moment: f64) -> Inertial {
+    let [xx, yy, zz, xy, xz, yz] = inertial.inertia;
+    let moments = principal_moments(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);
+    let is_negative = inertial.mass < 0.0 || moments.and_then(Impossible::of) == Some(Impossible::Negative);
+    if is_negative {
+        return inertial;
+    }
+    let raised = raised_inertia(inertial.inertia, least_moment);
+    Inertial {
+        mass: inertial.mass.max(least_mass),
+        inertia: if least_moment > 0.0 { raised } else { inertial.inertia },
+        ..inertial
+    }
 }

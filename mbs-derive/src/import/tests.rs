@@ -1,6 +1,7 @@
 //! Small files, each with one way to say something: what it means, against numbers of other programs, and what is
 //! refused because it would mean something else.
 
+mod mjcf;
 mod urdf;
 
 use crate::Analysis;

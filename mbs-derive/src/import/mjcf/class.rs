@@ -1,23 +1,37 @@
 //! Defaults by classes, settings of the compiler, and attitudes, of which the format has five ways.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
 use super::super::pose::{Pose, about, from_z, norm};
 use super::super::xml::{Reader, children, place, tag};
-use super::{of_axes, of_euler, of_place_and_quaternion};
+use super::{of_axes, of_euler};
+
+pub(super) const BOOLEANS: [&str; 2] = ["true", "false"];
+
+/// The ways to state an attitude.
+const ATTITUDES: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
+
+/// Flags that turn off springs and dampers; older versions of MuJoCo have one for both, `passive`.
+pub(super) const SPRINGS: [&str; 2] = ["spring", "passive"];
+pub(super) const DAMPERS: [&str; 2] = ["damper", "passive"];
+/// Flags that turn off dry friction, and equalities: as constraints they have a common one.
+pub(super) const FRICTION: [&str; 2] = ["frictionloss", "constraint"];
+pub(super) const EQUALITIES: [&str; 2] = ["equality", "constraint"];
 
 /// What the whole file says of its elements.
 pub(super) struct Settings<'a, 'i> {
     /// Radians of the file's unit of angles.
     pub(super) angle: f64,
     euler_sequence: String,
-    pub(super) inertia_from_geom: String,
+    pub(super) inertia_from_geom: &'static str,
     pub(super) groups: [f64; 2],
     pub(super) bound_mass: f64,
     pub(super) bound_inertia: f64,
     pub(super) gravity: [f64; 3],
+    /// Flags that the file disables.
+    disabled: BTreeSet<&'static str>,
     pub(super) mesh_folder: String,
     /// The class of elements that name none.
     pub(super) main: String,
@@ -32,11 +46,12 @@ impl<'a, 'i> Settings<'a, 'i> {
         let mut settings = Settings {
             angle: std::f64::consts::PI / 180.0,
             euler_sequence: "xyz".to_string(),
-            inertia_from_geom: "auto".to_string(),
+            inertia_from_geom: "auto",
             groups: [0.0, 5.0],
             bound_mass: 0.0,
             bound_inertia: 0.0,
             gravity: [0.0, 0.0, -9.81],
+            disabled: BTreeSet::new(),
             mesh_folder: String::new(),
             main: "main".to_string(),
             classes: BTreeMap::new(),
@@ -54,9 +69,10 @@ impl<'a, 'i> Settings<'a, 'i> {
                     reader.refuse(place(option, fluid), message, "leave it out, and write them beside the import");
                 }
             }
-            if children(option, "flag").any(|flag| flag.attribute("gravity") == Some("disable")) {
-                settings.gravity = [0.0; 3];
-            }
+            children(option, "flag").for_each(|flag| settings.flags(flag, reader));
+        }
+        if settings.is_disabled(&["gravity"]) {
+            settings.gravity = [0.0; 3];
         }
         settings.read_classes(root, reader);
         for asset in children(root, "asset").collect::<Vec<_>>() {
@@ -68,6 +84,21 @@ impl<'a, 'i> Settings<'a, 'i> {
             }
         }
         settings
+    }
+
+    fn flags(&mut self, node: Node<'a, 'i>, reader: &mut Reader) {
+        for name in ["gravity", "spring", "damper", "passive", "equality", "frictionloss", "constraint"] {
+            match reader.word(node, name, &["enable", "disable"]) {
+                Some("disable") => self.disabled.insert(name),
+                Some(_) => self.disabled.remove(name),
+                None => continue,
+            };
+        }
+    }
+
+    /// Whether the file disables one of these flags.
+    pub(super) fn is_disabled(&self, flags: &[&str]) -> bool {
+        flags.iter().any(|flag| self.disabled.contains(flag))
     }
 
     fn compiler(&mut self, node: Node<'a, 'i>, reader: &mut Reader) {
@@ -96,8 +127,8 @@ impl<'a, 'i> Settings<'a, 'i> {
                 ),
             }
         }
-        if let Some(word) = node.attribute("inertiafromgeom") {
-            self.inertia_from_geom = word.to_string();
+        if let Some(word) = reader.word(node, "inertiafromgeom", &["auto", "true", "false"]) {
+            self.inertia_from_geom = word;
         }
         if let Some(groups) = reader.array(node, "inertiagrouprange", "`inertiagrouprange`") {
             self.groups = groups;
@@ -108,7 +139,7 @@ impl<'a, 'i> Settings<'a, 'i> {
             let help = "save the model from MuJoCo by `mj_saveLastXML`, which writes the masses";
             reader.refuse(place(node, "settotalmass"), "`settotalmass` is not imported", help);
         }
-        if node.attribute("balanceinertia") == Some("true") {
+        if reader.word(node, "balanceinertia", &BOOLEANS) == Some("true") {
             let help = "save the model from MuJoCo by `mj_saveLastXML`, which writes the inertias";
             reader.refuse(place(node, "balanceinertia"), "`balanceinertia` is not imported", help);
         }
@@ -124,6 +155,8 @@ impl<'a, 'i> Settings<'a, 'i> {
             self.main = first.attribute("class").unwrap_or("main").to_string();
         }
         self.classes.insert(self.main.clone(), Vec::new());
+        // The last one is next: in the order of the file, whose later statements win.
+        waiting.reverse();
         while let Some((node, mut chain)) = waiting.pop() {
             let is_outermost = chain.is_empty();
             chain.push(node);
@@ -135,7 +168,8 @@ impl<'a, 'i> Settings<'a, 'i> {
                     continue;
                 }
             };
-            waiting.extend(children(node, "default").map(|inner| (inner, chain.clone())));
+            let inner: Vec<_> = children(node, "default").map(|inner| (inner, chain.clone())).collect();
+            waiting.extend(inner.into_iter().rev());
             self.classes.entry(class).or_default().extend(chain);
         }
     }
@@ -147,16 +181,23 @@ impl<'a, 'i> Settings<'a, 'i> {
         }
     }
 
+    /// What states attributes of an element: itself, then defaults of its class, the innermost first.
+    fn stating(
+        &self,
+        node: Node<'a, 'i>,
+        element: &str,
+        class: &str,
+    ) -> impl Iterator<Item = Node<'a, 'i>> + use<'_, 'a, 'i> {
+        let class = node.attribute("class").unwrap_or(class);
+        let element = element.to_string();
+        let chain = self.classes.get(class).into_iter().flatten().rev();
+        let is_such = move |child: &Node<'a, 'i>| child.tag_name().name() == element;
+        std::iter::once(node).chain(chain.flat_map(|default| default.children().rev()).filter(is_such))
+    }
+
     /// Where an attribute of an element is stated: by itself, or by the innermost default of its class.
     pub(super) fn holder(&self, node: Node<'a, 'i>, element: &str, class: &str, attribute: &str) -> Node<'a, 'i> {
-        if node.has_attribute(attribute) {
-            return node;
-        }
-        let class = node.attribute("class").unwrap_or(class);
-        let chain = self.classes.get(class).into_iter().flatten().rev();
-        let states = |child: &Node<'a, 'i>| child.tag_name().name() == element && child.has_attribute(attribute);
-        let mut stated = chain.filter_map(|default| default.children().rfind(states));
-        stated.next().unwrap_or(node)
+        self.stating(node, element, class).find(|stating| stating.has_attribute(attribute)).unwrap_or(node)
     }
 
     /// Place and attitude of an element.
@@ -171,43 +212,54 @@ impl<'a, 'i> Settings<'a, 'i> {
             }
         };
         let shift = reader.array(holder("pos"), "pos", &of("place")).unwrap_or_default();
-        let attitude = self.attitude(&holder, &of("attitude"), reader);
+        // An attitude of its own, whichever way it is stated, takes the place of that of a default.
+        let states = |node: &Node<'_, '_>| ATTITUDES.iter().any(|way| node.has_attribute(*way));
+        let stated = self.stating(node, element, class).find(states);
+        let attitude = stated.and_then(|stating| self.attitude(stating, &of("attitude"), reader));
         Pose { shift, ..attitude.unwrap_or_default() }
     }
 
-    fn attitude(&self, holder: &dyn Fn(&str) -> Node<'a, 'i>, what: &str, reader: &mut Reader) -> Option<Pose> {
-        let zero = |node: Node<'_, '_>, name: &str, reader: &mut Reader| {
+    /// The attitude that an element states, by one of the ways.
+    fn attitude(&self, node: Node<'a, 'i>, what: &str, reader: &mut Reader) -> Option<Pose> {
+        let zero = |name: &str, reader: &mut Reader| {
             reader.refuse(place(node, name), format!("{what} has no direction"), "");
             None
         };
-        let stated = |name: &str| Some(holder(name)).filter(|node| node.has_attribute(name));
-        if let Some(node) = stated("quat") {
-            let quaternion: [f64; 4] = reader.array(node, "quat", what)?;
-            if norm(&quaternion) < 1e-12 {
-                return zero(node, "quat", reader);
+        let ways: Vec<&str> = ATTITUDES.into_iter().filter(|way| node.has_attribute(*way)).collect();
+        if let [first, second, ..] = ways.as_slice() {
+            let help = format!("leave out `{first}` or `{second}`");
+            reader.refuse(place(node, second), format!("{what} is stated twice"), &help);
+        }
+        match *ways.first()? {
+            "quat" => {
+                let quaternion: [f64; 4] = reader.array(node, "quat", what)?;
+                if norm(&quaternion) < 1e-12 {
+                    return zero("quat", reader);
+                }
+                Some(Pose::of_quaternion([0.0; 3], quaternion))
             }
-            return Some(of_place_and_quaternion([0.0; 3], quaternion));
-        }
-        if let Some(node) = stated("axisangle") {
-            let [x, y, z, angle] = reader.array(node, "axisangle", what)?;
-            if norm(&[x, y, z]) < 1e-12 {
-                return zero(node, "axisangle", reader);
+            "axisangle" => {
+                let [x, y, z, angle] = reader.array(node, "axisangle", what)?;
+                if norm(&[x, y, z]) < 1e-12 {
+                    return zero("axisangle", reader);
+                }
+                Some(Pose::of_turn([0.0; 3], about([x, y, z], angle * self.angle)))
             }
-            return Some(Pose::of_turn([0.0; 3], about([x, y, z], angle * self.angle)));
-        }
-        if let Some(node) = stated("xyaxes") {
-            let axes = reader.array(node, "xyaxes", what)?;
-            return of_axes(axes).or_else(|| zero(node, "xyaxes", reader));
-        }
-        if let Some(node) = stated("zaxis") {
-            let axis: [f64; 3] = reader.array(node, "zaxis", what)?;
-            if norm(&axis) < 1e-12 {
-                return zero(node, "zaxis", reader);
+            "xyaxes" => {
+                let axes = reader.array(node, "xyaxes", what)?;
+                of_axes(axes).or_else(|| zero("xyaxes", reader))
             }
-            return Some(Pose::of_turn([0.0; 3], from_z(axis)));
+            "zaxis" => {
+                let axis: [f64; 3] = reader.array(node, "zaxis", what)?;
+                if norm(&axis) < 1e-12 {
+                    return zero("zaxis", reader);
+                }
+                Some(Pose::of_turn([0.0; 3], from_z(axis)))
+            }
+            _ => {
+                let angles: [f64; 3] = reader.array(node, "euler", what)?;
+                Some(of_euler(&self.euler_sequence, angles.map(|angle| angle * self.angle)))
+            }
         }
-        let node = stated("euler")?;
-        let angles: [f64; 3] = reader.array(node, "euler", what)?;
-        Some(of_euler(&self.euler_sequence, angles.map(|angle| angle * self.angle)))
     }
 }

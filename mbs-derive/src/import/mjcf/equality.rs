@@ -1,14 +1,16 @@
 //! Equality constraints, and tendons along sums of coordinates.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
+use super::super::identifier::spare;
 use super::super::pose::{Pose, norm};
 use super::super::robot::Coupling;
 use super::super::write::{at_rest, carried};
 use super::super::xml::{children, place, tag};
-use super::{File, of_place_and_quaternion};
+use super::File;
+use super::class::{BOOLEANS, DAMPERS, EQUALITIES, SPRINGS};
 
 /// Coordinates and their factors.
 type Terms = Vec<(f64, String)>;
@@ -17,10 +19,17 @@ impl<'a, 'i> File<'a, 'i, '_> {
     pub(super) fn equalities(&mut self, root: Node<'a, 'i>) {
         let tendons = self.tendons(root);
         let all = children(root, "equality").flat_map(|node| node.children().filter(Node::is_element));
-        for (count, equality) in (1..).zip(all.collect::<Vec<_>>()) {
+        let all: Vec<_> = all.collect();
+        if !all.is_empty() && self.settings.is_disabled(&EQUALITIES) {
+            self.robot.notes.push("Equalities are disabled by a flag, and left out.".to_string());
+            return;
+        }
+        for (count, equality) in (1..).zip(all) {
             let kind = equality.tag_name().name();
             let name = equality.attribute("name").map_or_else(|| format!("{kind}_{count}"), str::to_string);
-            if equality.attribute("active") == Some("false") {
+            self.settings.check_class(equality, "class", self.reader);
+            let holder = self.settings.holder(equality, "equality", &self.settings.main, "active");
+            if self.reader.word(holder, "active", &BOOLEANS) == Some("false") {
                 self.robot.notes.push(format!("The equality `{name}` is not active, and left out."));
                 continue;
             }
@@ -90,7 +99,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
         let stated: Option<[f64; 7]> = self.reader.array(node, "relpose", &format!("`relpose` of `{name}`"));
         let relative = match stated {
-            Some([x, y, z, rest @ ..]) if norm(&rest) > 1e-12 => of_place_and_quaternion([x, y, z], rest),
+            Some([x, y, z, rest @ ..]) if norm(&rest) > 1e-12 => Pose::of_quaternion([x, y, z], rest),
             _ => at_rest(&self.robot, a).inverse().then(&at_rest(&self.robot, b)),
         };
         self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [relative, Pose::default()] });
@@ -105,7 +114,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
 
     fn named_joint(&mut self, node: Node<'a, 'i>, attribute: &str) -> Option<String> {
         let name = node.attribute(attribute)?;
-        if !self.joints.contains_key(name) {
+        if !self.joints.contains(name) {
             self.reader.refuse(place(node, attribute), format!("there is no joint `{name}`"), "");
             return None;
         }
@@ -161,17 +170,36 @@ impl<'a, 'i> File<'a, 'i, '_> {
     /// All tendons; of spatial ones no terms.
     fn tendons(&mut self, root: Node<'a, 'i>) -> BTreeMap<String, Option<Terms>> {
         let mut all = BTreeMap::new();
-        for node in
-            children(root, "tendon").flat_map(|node| node.children().filter(Node::is_element)).collect::<Vec<_>>()
-        {
+        let nodes: Vec<_> =
+            children(root, "tendon").flat_map(|node| node.children().filter(Node::is_element)).collect();
+        let named: BTreeSet<&str> = nodes.iter().filter_map(|node| node.attribute("name")).collect();
+        for (count, node) in (1..).zip(nodes) {
             let kind = node.tag_name().name();
-            let name = node.attribute("name").map_or_else(|| format!("tendon_{}", all.len() + 1), str::to_string);
+            let name = node.attribute("name").map_or_else(
+                || spare(&format!("tendon_{count}"), |name| named.contains(name) || all.contains_key(name)),
+                str::to_string,
+            );
+            if all.contains_key(&name) {
+                let message = format!("a second tendon is called `{name}`");
+                self.reader.refuse(place(node, "name"), message, "names are unique");
+            }
+            self.settings.check_class(node, "class", self.reader);
             let class = self.settings.main.clone();
-            let [stiffness, damping, armature, friction] =
-                ["stiffness", "damping", "armature", "frictionloss"].map(|what| {
+            let [mut stiffness, mut damping, armature, friction] = ["stiffness", "damping", "armature", "frictionloss"]
+                .map(|what| {
                     let holder = self.settings.holder(node, "tendon", &class, what);
                     self.reader.number(holder, what, &format!("`{what}` of the tendon `{name}`")).unwrap_or(0.0)
                 });
+            if stiffness < 0.0 || damping < 0.0 {
+                let message = format!("the tendon `{name}` has negative stiffness or damping");
+                self.reader.refuse(tag(node), message, "");
+            }
+            if self.settings.is_disabled(&SPRINGS) {
+                stiffness = 0.0;
+            }
+            if self.settings.is_disabled(&DAMPERS) {
+                damping = 0.0;
+            }
             if friction != 0.0 {
                 self.robot.notes.push(format!("Dry friction of the tendon `{name}` is left out."));
             }
@@ -216,7 +244,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         all
     }
 
-    /// Where the spring of a tendon is relaxed: as stated, or where the bodies are at their poses.
+    /// Where the spring of a tendon is relaxed: as stated, or where the springs of its joints are.
     fn rest(&mut self, node: Node<'a, 'i>, name: &str, terms: &Terms) -> f64 {
         let holder = self.settings.holder(node, "tendon", &self.settings.main.clone(), "springlength");
         let stated = holder.attribute("springlength").and_then(|text| {
@@ -233,11 +261,11 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 *one
             }
             _ => {
-                let zero = |joint: &str| {
-                    let joints = self.robot.bodies.iter().flat_map(|body| &body.joints);
-                    joints.filter(|other| other.name == joint).map(|other| other.zero).next().unwrap_or(0.0)
+                let relaxed = |joint: &str| {
+                    let mut joints = self.robot.bodies.iter().flat_map(|body| &body.joints);
+                    joints.find(|other| other.name == joint).map_or(0.0, |other| other.rest)
                 };
-                terms.iter().map(|(factor, joint)| factor * zero(joint)).sum()
+                terms.iter().map(|(factor, joint)| factor * relaxed(joint)).sum()
             }
         }
     }

@@ -8,6 +8,7 @@ use super::super::identifier::shown;
 use super::super::pose::{Pose, from_z, norm, turned_inertia};
 use super::super::robot::{Body, Form, Inertial, Shape};
 use super::super::xml::{place, tag};
+use super::class::BOOLEANS;
 use super::{Around, File};
 
 /// kg/m³, where a geom states neither density nor mass.
@@ -54,14 +55,34 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let group = reader.number(holder("group"), "group", &of("group")).unwrap_or(0.0);
         let mass = reader.number(holder("mass"), "mass", &of("mass"));
         let density = reader.number(holder("density"), "density", &of("density")).unwrap_or(WATER);
-        if holder("shellinertia").attribute("shellinertia") == Some("true") {
+        for (what, value, unit) in [("mass", mass, "kg"), ("density", Some(density), "kg/m³")] {
+            if let Some(value) = value.filter(|value| *value < 0.0) {
+                let message = format!("{} is negative: {value} {unit}", of(what));
+                reader.refuse(place(holder(what), what), message, "");
+            }
+        }
+        if reader.word(holder("shellinertia"), "shellinertia", &BOOLEANS) == Some("true") {
             reader.refuse(
                 place(holder("shellinertia"), "shellinertia"),
                 "`shellinertia` is not imported",
                 "write an `<inertial>`",
             );
         }
+        let is_mesh = matches!(kind, "mesh" | "sdf");
+        let is_fitted = !is_mesh && holder("mesh").has_attribute("mesh");
+        let sizes = match kind {
+            "sphere" => 1,
+            "capsule" | "cylinder" => 2,
+            "box" | "ellipsoid" => 3,
+            _ => 0,
+        };
+        if !is_fitted && size[..sizes].iter().any(|&size| size <= 0.0) {
+            let help = "a sphere has one number, a capsule and a cylinder have two, a box and an ellipsoid three";
+            reader.refuse(place(holds_size, "size"), format!("{} is not positive", of("size")), help);
+            return None;
+        }
         let form = match kind {
+            _ if is_fitted => None,
             "sphere" => Some(Form::Sphere(size[0])),
             "capsule" => Some(Form::Capsule(size[0], 2.0 * size[1])),
             "cylinder" => Some(Form::Cylinder(size[0], 2.0 * size[1])),
@@ -77,6 +98,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         if group <= LAST_DRAWN {
             match form {
                 Some(form) => body.shapes.push(Shape { form, pose }),
+                None if is_fitted => body.notes.push("A geom that is fitted to a mesh is not drawn.".to_string()),
                 None if kind == "ellipsoid" => body.notes.push("An ellipsoid is not drawn.".to_string()),
                 None => {}
             }
@@ -84,6 +106,9 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let [low, high] = self.settings.groups;
         if !(low..=high).contains(&group) || mass == Some(0.0) || mass.is_none() && density == 0.0 {
             return None;
+        }
+        if is_mesh || is_fitted {
+            return Some((None, node));
         }
         let [a, b, c] = size;
         let per_mass = |x: f64, y: f64, z: f64| [x, y, z, 0.0, 0.0, 0.0];
@@ -109,7 +134,6 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 let along = rod * a * a / 2.0 + ball * 0.4 * a * a;
                 (PI * a * a * h + 4.0 / 3.0 * PI * a.powi(3), per_mass(across, across, along))
             }
-            "mesh" | "sdf" => return Some((None, node)),
             _ => return None,
         };
         let mass = mass.unwrap_or(density * volume);

@@ -1,0 +1,247 @@
+//! Numbers are those of MuJoCo 4.0, `mj_fullM` and `qfrc_bias − qfrc_spring`.
+
+use super::{moves, near, refused, text, values};
+
+const INERTIAL: &str = "<inertial pos='0.1 0.2 0.3' mass='1.3' diaginertia='0.02 0.03 0.04'/>";
+
+/// A model of these bodies, with what stands before and behind them.
+fn model(head: &str, bodies: &str, tail: &str) -> String {
+    let bodies = bodies.replace("INERTIAL", INERTIAL);
+    format!("<mujoco><compiler angle='radian'/>{head}<worldbody>{bodies}</worldbody>{tail}</mujoco>")
+}
+
+/// A hinge that carries the usual inertia, with these attributes.
+fn hinge(attributes: &str) -> String {
+    model("", &format!("<body name='b'><joint name='a' axis='1 0.3 0' {attributes}/>INERTIAL</body>"), "")
+}
+
+#[test]
+fn joints_keep_their_order_across_frames() {
+    let bodies = "<body name='b'><frame euler='0.3 0 0'><joint name='a' type='slide' axis='0 1 0'/>\
+                  <frame pos='0 0 0.2'><joint name='e' axis='1 0 0'/></frame></frame>\
+                  <joint name='c' axis='0 1 0' pos='0.1 0 0'/>INERTIAL</body>";
+    moves(
+        "m.xml",
+        &model("", bodies, ""),
+        &[
+            1.2999999999999998,
+            0.14519971232055637,
+            -0.12045322055609076,
+            0.14519971232055637,
+            0.11865044692668833,
+            -0.048446226882396796,
+            -0.12045322055609076,
+            -0.048446226882396796,
+            0.14699999999999996,
+        ],
+        &[3.52596731067288, 3.332112041663923, -1.6892380920937606],
+    );
+}
+
+#[test]
+fn bodies_keep_their_order_across_frames() {
+    let body = |name: &str| format!("<body name='{name}'><joint name='of_{name}'/>INERTIAL</body>");
+    let [a, b, c, d] = ["a", "b", "c", "d"].map(body);
+    let text = text("m.xml", &model("", &format!("{a}<frame>{b}<frame>{c}</frame></frame>{d}"), ""));
+    let coordinates: Vec<&str> = text.lines().filter(|line| line.starts_with("    coord")).collect();
+    let expected = ["a", "b", "c", "d"].map(|name| format!("    coord of_{name}: rad;"));
+    assert_eq!(coordinates, expected);
+}
+
+/// The last of several counts.
+#[test]
+fn inertials_stand_in_frames() {
+    let bodies = "<body name='b'><inertial pos='1 2 5' mass='2' diaginertia='1 1 1'/>\
+                  <frame quat='1 0 0 1' pos='1 0 0'><geom type='box' size='0.1 0.2 0.3'/>INERTIAL</frame>\
+                  <joint name='a' axis='1 0.3 0'/><joint name='c' axis='0 0.3 1'/></body>";
+    let mass_matrix = [0.43535670297768236, -0.18881569818870536, -0.18881569818870536, 0.8704678899082565];
+    moves("m.xml", &model("", bodies, ""), &mass_matrix, &[-6.277120541743256, -0.15692298759645915]);
+}
+
+/// Of its own, then of the innermost default, whichever way they are stated.
+#[test]
+fn attitudes_take_the_place_of_those_of_defaults() {
+    let head = "<default><geom type='box' size='0.1 0.2 0.3'/><default class='k'>\
+                <geom pos='0 1 0' quat='1 0.3 0 0'/><default class='z'><geom mass='2' euler='0 0.5 0'/></default>\
+                </default></default>";
+    let bodies = "<body name='b' childclass='k'><joint name='a' axis='1 0.3 0'/><joint name='c' axis='0 0.3 1'/>\
+                  <geom/><geom class='z' pos='1 0 0'/>\
+                  <geom class='z' pos='0 0 1' axisangle='1 0.5 0.2 0.7'/></body>";
+    let mass_matrix = [33.99808294800681, -3.768834317577938, -3.768834317577938, 47.57598554528823];
+    moves("m.xml", &model(head, bodies, ""), &mass_matrix, &[325.64954451008464, 22.87814260808617]);
+    let twice = bodies.replace("<geom/>", "<geom quat='1 0 0 0' zaxis='0 0 1'/>");
+    refused("m.xml", &model(head, &twice, ""), "the attitude of this geom is stated twice");
+}
+
+/// Of two statements of one class the later one counts.
+#[test]
+fn defaults_are_read_in_their_order() {
+    let head = "<default><joint damping='1' armature='0.3'/></default><default><joint damping='2'/></default>";
+    let text = text("m.xml", &hinge("").replace("<worldbody>", &format!("{head}<worldbody>")));
+    let [m, loss] = values(&text, &[0.3], &[0.7], ["mass_matrix", "dissipation_force"]);
+    near("M", &m, &[0.4722935779816513]);
+    near("∂D/∂q̇", &loss, &[1.4]);
+}
+
+/// `springlength` is where the springs of the joints are relaxed, not where the bodies are at their poses.
+#[test]
+fn springs_of_tendons_are_relaxed_where_those_of_joints_are() {
+    let bodies = "<body name='b'><joint name='a' axis='1 0.3 0' ref='0.2' springref='0.5'/>INERTIAL\
+                  <body name='d' pos='0 0 1'><joint name='c' axis='0 1 0' springref='-0.3'/>INERTIAL</body></body>";
+    let tendon = "<tendon><fixed name='t' stiffness='3' damping='0.2'>\
+                  <joint joint='a' coef='2'/><joint joint='c' coef='-1'/></fixed></tendon>";
+    moves(
+        "m.xml",
+        &model("", bodies, tendon),
+        &[2.496093588589712, 0.1698977863848982, 0.1698977863848982, 0.16000000000000003],
+        &[0.7244407626083187, 1.092314126252744],
+    );
+}
+
+#[test]
+fn principal_moments_and_masses_are_bounded() {
+    let bounds = |attributes: &str, xml: String| xml.replace("'radian'", &format!("'radian' {attributes}"));
+    let turned = "<body name='b'><joint name='a' axis='1 0.3 0'/><joint name='c' axis='0 1 0'/>\
+                  <inertial pos='0.1 0 0' quat='1 0.3 0.2 0.1' mass='1' diaginertia='0.001 0.1 0.1'/></body>";
+    moves(
+        "m.xml",
+        &bounds("boundinertia='0.05'", model("", turned, "")),
+        &[0.05254318382466605, 0.01761904299648277, 0.01761904299648277, 0.10606032625423205],
+        &[-0.358979722635876, -0.8921479916828923],
+    );
+    let empty = "<body name='b'><joint name='a' axis='1 0.3 0'/>\
+                 <body name='d' pos='0 0 1'><joint name='c' axis='0 1 0'/>INERTIAL</body></body>";
+    moves(
+        "m.xml",
+        &bounds("boundmass='0.5' boundinertia='0.05'", model("", empty, "")),
+        &[2.4001918152809703, 0.175644744096225, 0.175644744096225, 0.17999999999999997],
+        &[-2.544509564569316, -0.04948994489696501],
+    );
+    // A bound does not hide a mistake.
+    let negative = hinge("").replace("diaginertia='0.02", "diaginertia='-0.02");
+    refused(
+        "m.xml",
+        &bounds("boundinertia='0.05'", negative),
+        "the inertia of the link `b` has a negative principal moment",
+    );
+}
+
+/// Geoms without mass leave what is stated, even where `inertiafromgeom` has them decide.
+#[test]
+fn massless_geoms_decide_nothing() {
+    let xml = hinge("").replace("</body>", "<geom size='0.1' mass='0'/></body>");
+    let xml = xml.replace("'radian'", "'radian' inertiafromgeom='true'");
+    moves("m.xml", &xml, &[0.1722935779816513], &[0.8531989881157648]);
+}
+
+#[test]
+fn negative_masses_and_sizes_are_refused() {
+    let negative = hinge("").replace("mass='1.3'", "mass='-1'");
+    refused("m.xml", &negative, "the mass of the link `b` is negative: -1 kg");
+    let geom = |geom: &str, message: &str| refused("m.xml", &hinge("").replace(INERTIAL, geom), message);
+    let good = "<geom type='box' size='0.1 0.2 0.3' mass='5'/>";
+    geom(&format!("{good}<geom size='0.1' mass='-1'/>"), "the mass of a geom of the body `b` is negative: -1 kg");
+    geom(
+        &format!("{good}<geom size='0.1' density='-5'/>"),
+        "the density of a geom of the body `b` is negative: -5 kg/m³",
+    );
+    geom(&format!("{good}<geom size='-0.1'/>"), "the size of a geom of the body `b` is not positive");
+    geom(&format!("{good}<geom/>"), "the size of a geom of the body `b` is not positive");
+    geom("<geom type='box' mesh='x'/>", "the body `b` has the mass of a mesh, which is not known here");
+}
+
+#[test]
+fn disabled_forces_vanish() {
+    let flags = |flags: &str| {
+        let head = format!("<option><flag {flags}/></option><option><flag gravity='enable'/></option>");
+        let tendon = "<tendon><fixed name='t' stiffness='3' damping='0.2' springlength='0.1'>\
+                      <joint joint='a' coef='2'/></fixed></tendon>";
+        let body = "<body name='b'><joint name='a' axis='1 0.3 0' stiffness='3' damping='1' frictionloss='2'/>\
+                    INERTIAL</body>";
+        text("m.xml", &model(&head, body, tendon))
+    };
+    let none = flags("spring='disable' damper='disable' gravity='disable'");
+    let [m, h] = values(&none, &[0.3], &[0.7], ["mass_matrix", "bias"]);
+    near("M", &m, &[0.1722935779816513]);
+    near("C q̇ + G", &h, &[0.8531989881157648]);
+    assert!(!none.contains("dissipation +=") || none.contains("// dissipation"), "{none}");
+    assert_eq!(flags("passive='disable'"), none);
+    assert!(!flags("frictionloss='disable'").contains("friction"));
+    assert!(!flags("constraint='disable'").contains("friction"));
+    // τ = −1.4 − 3·0.3 of the joint alone, and −2²·0.2·0.7 and −2·3·(2·0.3 − 0.1) of the tendon.
+    let [h, loss] = values(&flags("spring='enable'"), &[0.3], &[0.7], ["bias", "dissipation_force"]);
+    near("C q̇ + G", &h, &[0.8531989881157648 + 0.9 + 3.0]);
+    near("∂D/∂q̇", &loss, &[0.7 + 0.56]);
+    refused(
+        "m.xml",
+        &hinge("").replace("<worldbody>", "<option><flag spring='false'/></option><worldbody>"),
+        "`spring` cannot be `false`",
+    );
+}
+
+#[test]
+fn disabled_equalities_vanish() {
+    let bodies = "<body name='b'><joint name='a' axis='1 0.3 0'/>INERTIAL</body>";
+    let equality = |head: &str, attributes: &str| {
+        let tail = format!("<equality><joint name='e' joint1='a' {attributes}/></equality>");
+        text("m.xml", &model(head, bodies, &tail))
+    };
+    let class = "<default><default class='k'><equality active='false'/></default></default>";
+    assert!(equality("", "").contains("    constraint e: a = 0;\n"));
+    assert!(equality(class, "").contains("constraint"));
+    assert!(equality(class, "class='k' active='true'").contains("constraint"));
+    for (head, attributes) in [
+        ("", "active='false'"),
+        ("<default><equality active='false'/></default>", ""),
+        (class, "class='k'"),
+        ("<option><flag equality='disable'/></option>", ""),
+        ("<option><flag constraint='disable'/></option>", ""),
+    ] {
+        assert!(!equality(head, attributes).contains("constraint"), "{head}");
+    }
+}
+
+#[test]
+fn springs_by_time_constants_are_refused() {
+    let message = "the joint `a` has its spring by `springdamper`, which is not imported";
+    refused("m.xml", &hinge("springdamper='0.5 0.7'"), message);
+    assert!(text("m.xml", &hinge("springdamper='0 0' stiffness='3'")).contains("a_stiffness"));
+}
+
+/// Names that the file does not give are not those that it gives.
+#[test]
+fn automatic_names_give_way() {
+    let bodies = "<body name='x'><joint axis='1 0.3 0'/><joint axis='0 1 0'/>INERTIAL</body>\
+                  <body><joint name='x_joint'/>INERTIAL</body><body name='body_2'><joint/>INERTIAL</body>";
+    let text = text("m.xml", &model("", bodies, "<equality><joint joint1='x_joint'/></equality>"));
+    for line in [
+        "    coord x_joint_2: rad;\n",
+        "    coord x_joint: rad;\n",
+        "    let body_2_2 = rot_z(x_joint);\n",
+        "    constraint joint_1: x_joint = 0;\n",
+    ] {
+        assert!(text.contains(line), "{line}{text}");
+    }
+}
+
+/// Each statement in the comments on dry friction can be taken out of it.
+#[test]
+fn dry_friction_can_be_taken_out_of_comments() {
+    let taken = |joint: &str, q: &[f64], qd: &[f64]| {
+        let body = format!("<body name='b'><joint name='f' {joint} frictionloss='0.3'/>INERTIAL</body>");
+        let text = text("m.xml", &model("", &body, ""));
+        let text = text.replace("    // const f_", "    const f_").replace("    // dissipation", "    dissipation");
+        let [loss] = values(&text, q, qd, ["dissipation_force"]);
+        loss
+    };
+    near("a hinge", &taken("", &[0.1], &[2.0]), &[0.3 * 2.0 / 4.000001_f64.sqrt()]);
+    // At e = (1, 0, 0, 0) ω = 2 (ė₁, ė₂, ė₃), and the force on ė is twice the torque: 4·0.3 ė/√(4 ė² + 10⁻⁶).
+    let rates = [0.0, 0.3, -0.2, 0.6];
+    let torque = rates.map(|rate| 4.0 * 0.3 * rate / (4.0 * 0.49 + 1e-6_f64).sqrt());
+    near("a ball", &taken("type='ball'", &[1.0, 0.0, 0.0, 0.0], &rates), &torque);
+    let place = [2.0, -1.0, 0.5];
+    let force = place.map(|rate| 0.3 * rate / (5.25 + 1e-6_f64).sqrt());
+    let q = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0];
+    let loss = taken("type='free'", &q, &[&place[..], &rates[..]].concat());
+    near("a free body", &loss, &[&force[..], &torque[..]].concat());
+}
