@@ -407,10 +407,11 @@ fn mistakes_of_other_formats_are_reported_too() {
         &sdf("<joint name=\"j\" type=\"fixed\"><parent>x</parent><child>l</child></joint>"),
         "error[MBS0310]: the parent of the joint `j` is the link `x`, which is not there\n --> m.sdf:2:46",
     );
+    let massless = "<inertial><mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial>";
     refused(
         "m.sdf",
-        &sdf(""),
-        "error[MBS0310]: the link `l` moves by the joint `l_free`, and neither it nor what hangs on it has mass\n --> m.sdf:2:1",
+        &sdf("").replace("<link name=\"l\"/>", &format!("<link name=\"l\">{massless}</link>")),
+        "error[MBS0310]: the link `l` moves by the joint `l_free`, and neither it nor what hangs on it has mass\n --> m.sdf:2:16",
     );
     refused("m.sdf", "<sdf/>", "error[MBS0310]: there is no model in this file\n --> m.sdf:1:1");
 }

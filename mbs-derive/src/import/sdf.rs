@@ -1,4 +1,4 @@
-//! SDF, the format of Gazebo: one model, its links and joints.
+//! SDF, the format of Gazebo: one model, its links and joints; `link`: poses, what links weigh and look like.
 //!
 //! Poses of links are in the frame of the model, those of joints in the frame of their child, unless `relative_to` says
 //! otherwise; axes are in the frame of the joint, unless `expressed_in` does.
@@ -9,9 +9,13 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::pose::{Pose, transposed, turned, turned_inertia};
-use super::robot::{Body, Form, Inertial, Joint, Kind, Mimic, Robot, Shape};
+use super::identifier::spare;
+use super::pose::{Pose, transposed, turned};
+use super::robot::{Body, Joint, Kind, Mimic, Robot, Shape};
 use super::xml::{Reader, child, children, place, tag};
+use link::{inertia, is_true, pose_of, relative_to, shape};
+
+mod link;
 
 /// Gravity of a world that states none, m/s².
 const GRAVITY: [f64; 3] = [0.0, 0.0, -9.8];
@@ -23,10 +27,14 @@ const ENDLESS: f64 = 1e15;
 struct Model<'a, 'i> {
     links: Vec<Node<'a, 'i>>,
     names: BTreeMap<&'a str, usize>,
-    /// Places of links and of frames by their names.
+    /// Where the model is in the world.
+    pose: Pose,
+    /// Places of links, frames and joints by their names, in the frame of the model.
     poses: BTreeMap<&'a str, Pose>,
-    /// The names of joints that turn about two axes.
-    two_axes: BTreeSet<&'a str>,
+    /// Poses of joints as they are stated.
+    joints: BTreeMap<&'a str, Pose>,
+    /// Of each joint the names of its coordinates: one, or two where it turns about two axes.
+    coordinates: BTreeMap<&'a str, Vec<String>>,
 }
 
 /// A robot; what is wrong is noted.
@@ -66,12 +74,28 @@ pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
             );
         }
     }
+    if let Some(joint) = world.and_then(|world| child(world, "joint")) {
+        let help = "write it into the model, whose joints may have the parent `world`";
+        reader.refuse(tag(joint), "a joint outside of the model is not imported", help);
+    }
+    if let Some(node) = child(model, "static").filter(|node| is_true(*node, reader)) {
+        let message = format!("the model `{}` is static: nothing of it moves", model.attribute("name").unwrap_or(""));
+        reader.refuse(tag(node), message, "leave out `<static>`");
+    }
     let gravity = world.and_then(|world| child(world, "gravity")).and_then(|node| reader.content(node, "gravity"));
     let mut robot = Robot {
         name: model.attribute("name").unwrap_or("model").to_string(),
         gravity: gravity.unwrap_or(GRAVITY),
         ..Robot::default()
     };
+    let left_out = |parent: Node<'_, '_>, names: &[&'static str]| -> Vec<&'static str> {
+        names.iter().copied().filter(|name| child(parent, name).is_some()).collect()
+    };
+    let mut names = left_out(model, &["plugin", "gripper"]);
+    names.extend(world.into_iter().flat_map(|world| left_out(world, &["include", "actor", "wind"])));
+    if !names.is_empty() {
+        robot.notes.push(format!("Left out: {}.", names.join(", ")));
+    }
     let read = Model::of(model, reader)?;
     read.tree(model, &mut robot, reader)?;
     Some(robot)
@@ -84,24 +108,55 @@ impl<'a, 'i> Model<'a, 'i> {
         if links.is_empty() {
             reader.refuse(tag(model), "the model has no links", "write `<link name=\"…\">…</link>`");
         }
-        let is_of_two = |joint: &Node<'a, 'i>| matches!(joint.attribute("type"), Some("universal" | "revolute2"));
-        let two_axes = children(model, "joint").filter(is_of_two).filter_map(|joint| joint.attribute("name")).collect();
-        let mut read = Model { links, names, poses: BTreeMap::new(), two_axes };
+        let coordinates = coordinates(model);
+        let (poses, joints) = (BTreeMap::new(), BTreeMap::new());
+        let mut read = Model { links, names, pose: Pose::default(), poses, joints, coordinates };
         read.place(model, reader);
-        (!reader.errors.has_errors()).then_some(read)
+        if reader.errors.has_errors() {
+            return None;
+        }
+        read.pose = read.pose_of_model(model, reader);
+        Some(read)
     }
 
-    /// Places of links and frames, each behind what it is relative to.
+    /// Where the model is in the world: its pose is that of the frame in it that `placement_frame` names.
+    fn pose_of_model(&self, model: Node<'a, 'i>, reader: &mut Reader) -> Pose {
+        let pose = pose_of(model, "the model", reader);
+        if let Some(of) = relative_to(model).filter(|of| *of != "world") {
+            let help = "write its pose in the world";
+            reader.refuse(tag(model), format!("the model is placed relative to `{of}`, which is not imported"), help);
+        }
+        let Some(of) = model.attribute("placement_frame").filter(|of| !of.is_empty()) else { return pose };
+        match self.frame(of) {
+            Some(placed) => pose.then(&placed.inverse()),
+            None => {
+                let message = format!("the model is placed by `{of}`, which is not there");
+                reader.refuse(place(model, "placement_frame"), message, "links, joints and frames of it are known");
+                pose
+            }
+        }
+    }
+
+    /// Places of links, frames and joints, each behind what it is relative to; joints are placed in their children.
     fn place(&mut self, model: Node<'a, 'i>, reader: &mut Reader) {
         let mut waiting: Vec<Node<'a, 'i>> = self.links.clone();
         waiting.extend(children(model, "frame"));
+        let names: BTreeSet<&str> = waiting.iter().filter_map(|node| node.attribute("name")).collect();
+        let child_of = |joint: Node<'a, 'i>| child(joint, "child").and_then(|node| node.text()).map(str::trim);
+        let is_placed = |joint: &Node<'a, 'i>| {
+            let is_other = joint.attribute("name").is_some_and(|name| !names.contains(name));
+            is_other && child_of(*joint).is_some_and(|link| self.names.contains_key(link))
+        };
+        waiting.extend(children(model, "joint").filter(is_placed));
         while !waiting.is_empty() {
             let before = waiting.len();
             for node in std::mem::take(&mut waiting) {
                 let name = node.attribute("name").unwrap_or_default();
-                let relative = child(node, "pose").and_then(|pose| pose.attribute("relative_to"));
-                let relative =
-                    relative.or(node.attribute("attached_to")).filter(|of| !of.is_empty() && *of != "__model__");
+                let without = match node.tag_name().name() {
+                    "joint" => child_of(node),
+                    _ => node.attribute("attached_to"),
+                };
+                let relative = relative_to(node).or(without).filter(|of| !of.is_empty() && *of != "__model__");
                 let base = match relative.map(|of| self.poses.get(of)) {
                     None => Pose::default(),
                     Some(Some(base)) => *base,
@@ -112,6 +167,9 @@ impl<'a, 'i> Model<'a, 'i> {
                 };
                 let own = pose_of(node, &format!("`{name}`"), reader);
                 self.poses.insert(name, base.then(&own));
+                if node.tag_name().name() == "joint" {
+                    self.joints.insert(name, own);
+                }
             }
             if waiting.len() == before {
                 let node = waiting[0];
@@ -119,7 +177,7 @@ impl<'a, 'i> Model<'a, 'i> {
                 reader.refuse(
                     tag(node),
                     format!("`{name}` is placed relative to what is not there, or to itself"),
-                    "links and frames of the model are known",
+                    "links, joints and frames of the model are known",
                 );
                 return;
             }
@@ -156,9 +214,6 @@ impl<'a, 'i> Model<'a, 'i> {
         if reader.errors.has_errors() {
             return None;
         }
-        let is_static = child(model, "static")
-            .and_then(|node| node.text())
-            .is_some_and(|text| ["true", "1"].contains(&text.trim()));
         let mut numbers: Vec<Option<usize>> = vec![None; self.links.len()];
         let mut left: Vec<usize> = (0..self.links.len()).collect();
         while !left.is_empty() {
@@ -174,7 +229,7 @@ impl<'a, 'i> Model<'a, 'i> {
                 };
                 numbers[link] = Some(robot.bodies.len());
                 let joint = by[link].map(|(_, joint)| joint);
-                let body = self.body(link, parent, parent.and_then(|parent| numbers[parent]), joint, is_static, reader);
+                let body = self.body(link, parent, parent.and_then(|parent| numbers[parent]), joint, reader);
                 robot.bodies.push(body);
             }
             if left.len() == before {
@@ -216,7 +271,6 @@ impl<'a, 'i> Model<'a, 'i> {
         parent: Option<usize>,
         number: Option<usize>,
         joint: Option<Node<'a, 'i>>,
-        is_static: bool,
         reader: &mut Reader,
     ) -> Body {
         let node = self.links[link];
@@ -225,23 +279,30 @@ impl<'a, 'i> Model<'a, 'i> {
             self.poses.get(self.links[link].attribute("name").unwrap_or_default()).copied().unwrap_or_default()
         };
         let own = pose_of_link(link);
-        let pose = parent.map_or(own, |parent| pose_of_link(parent).inverse().then(&own));
+        let pose = parent.map_or_else(|| self.pose.then(&own), |parent| pose_of_link(parent).inverse().then(&own));
+        let shapes = children(node, "visual").filter_map(|visual| {
+            let placed = relative_to(visual)
+                .map(|of| self.related(of, &own, &format!("a visual of the link `{name}`"), visual, reader));
+            let shape = shape(visual, name, reader)?;
+            Some(Shape { pose: placed.unwrap_or_default().then(&shape.pose), ..shape })
+        });
+        let shapes = shapes.collect();
+        refuse_motions(node, name, reader);
         let mut body = Body {
-            name: name.to_string(),
             parent: number,
             pose,
-            joints: Vec::new(),
-            fixed_by: None,
-            inertial: child(node, "inertial").and_then(|inertial| inertia(inertial, name, reader)),
-            is_weightless: false,
-            shapes: children(node, "visual").filter_map(|visual| shape(visual, name, reader)).collect(),
-            notes: Vec::new(),
-            span: tag(node),
+            inertial: inertia(node, name, reader),
+            is_weightless: child(node, "gravity").is_some_and(|gravity| !is_true(gravity, reader)),
+            shapes,
+            ..Body::new(name, tag(node))
         };
         match joint {
             Some(joint) => self.moved(&mut body, joint, &own, reader),
-            None if is_static => {}
-            None => body.joints.push(Joint::new(&format!("{name}_free"), Kind::Free, "free", tag(node))),
+            None => {
+                let is_taken = |name: &str| self.coordinates.values().flatten().any(|taken| taken == name);
+                let name = spare(&format!("{name}_free"), is_taken);
+                body.joints.push(Joint::new(&name, Kind::Free, "free", tag(node)));
+            }
         }
         body
     }
@@ -269,25 +330,19 @@ impl<'a, 'i> Model<'a, 'i> {
                 return;
             }
         };
-        let mut here = pose_of(node, &format!("the joint `{name}`"), reader);
-        if let Some(of) = child(node, "pose").and_then(|pose| pose.attribute("relative_to")).filter(|of| !of.is_empty())
-        {
-            match self.frame(of) {
-                Some(base) => here = own.inverse().then(&base.then(&here)),
-                None => reader.refuse(
-                    tag(node),
-                    format!("the joint `{name}` is placed relative to `{of}`, which is not there"),
-                    "",
-                ),
-            }
+        let of_joint = format!("the joint `{name}`");
+        let stated = self.joints.get(name).copied();
+        let mut here = stated.unwrap_or_else(|| pose_of(node, &of_joint, reader));
+        if let Some(of) = relative_to(node) {
+            here = self.related(of, own, &of_joint, node, reader).then(&here);
         }
-        let axes: &[(&str, &str)] = match word {
-            "universal" | "revolute2" => &[("axis", "_1"), ("axis2", "_2")],
-            "ball" => &[("", "")],
-            _ => &[("axis", "")],
+        let axes: &[&str] = match word {
+            "universal" | "revolute2" => &["axis", "axis2"],
+            "ball" => &[""],
+            _ => &["axis"],
         };
-        for (axis, suffix) in axes {
-            let mut joint = Joint::new(&format!("{name}{suffix}"), kind, word, tag(node));
+        for (axis, coordinate) in axes.iter().zip(&self.coordinates[name]) {
+            let mut joint = Joint::new(coordinate, kind, word, tag(node));
             joint.anchor = here.shift;
             if let Some(axis) = child(node, axis) {
                 self.axis(&mut joint, axis, &here, own, reader);
@@ -299,6 +354,18 @@ impl<'a, 'i> Model<'a, 'i> {
                 );
             }
             body.joints.push(joint);
+        }
+    }
+
+    /// What is placed relative to `of`, in the frame of the body at `own`: the frame `of`.
+    fn related(&self, of: &str, own: &Pose, what: &str, node: Node<'a, 'i>, reader: &mut Reader) -> Pose {
+        match self.frame(of) {
+            Some(base) => own.inverse().then(&base),
+            None => {
+                let message = format!("{what} is placed relative to `{of}`, which is not there");
+                reader.refuse(tag(node), message, "");
+                Pose::default()
+            }
         }
     }
 
@@ -336,21 +403,24 @@ impl<'a, 'i> Model<'a, 'i> {
             parts.extend(number(limit, "velocity").filter(|rate| *rate > 0.0).map(|rate| format!("{rate} {way}/s")));
             joint.limits = parts.join(", ");
         }
+        if [joint.damping, joint.friction, joint.stiffness].iter().any(|&number| number < 0.0) {
+            let message = format!("the joint `{name}` has negative damping, friction or stiffness");
+            reader.refuse(tag(node), message, "");
+        }
         self.mimicked(joint, node, reader);
-        let Some(xyz) = child(node, "xyz") else { return };
-        let Some(axis) = reader.content::<3>(xyz, &format!("the axis of the joint `{name}`")) else { return };
+        let xyz = child(node, "xyz");
+        let stated = xyz.map(|xyz| reader.content::<3>(xyz, &format!("the axis of the joint `{name}`")));
+        let Some(axis) = stated.unwrap_or(Some(joint.axis)) else { return };
         let of_model = |base: &Pose| turned(&transposed(&own.turn), turned(&base.turn, axis));
-        let in_model_frame = child(node, "use_parent_model_frame")
-            .and_then(|node| node.text())
-            .is_some_and(|text| ["true", "1"].contains(&text.trim()));
-        joint.axis = match xyz.attribute("expressed_in").filter(|of| !of.is_empty()) {
+        let in_model_frame = child(node, "use_parent_model_frame").is_some_and(|node| is_true(node, reader));
+        joint.axis = match xyz.and_then(|xyz| xyz.attribute("expressed_in")).filter(|of| !of.is_empty()) {
             None if in_model_frame => of_model(&Pose::default()),
             None => turned(&here.turn, axis),
             Some(of) => match self.frame(of) {
                 Some(base) => of_model(&base),
                 None => {
                     reader.refuse(
-                        place(xyz, "expressed_in"),
+                        xyz.map_or(tag(node), |xyz| place(xyz, "expressed_in")),
                         format!("the axis of the joint `{name}` is expressed in `{of}`, which is not there"),
                         "",
                     );
@@ -371,83 +441,53 @@ impl<'a, 'i> Model<'a, 'i> {
         };
         let (factor, offset, reference) = (number("multiplier", 1.0), number("offset", 0.0), number("reference", 0.0));
         // A joint of two axes has two coordinates.
-        let suffix = match (mimic.attribute("axis"), self.two_axes.contains(other)) {
-            (Some("axis2"), true) => "_2",
-            (_, true) => "_1",
-            (_, false) => "",
+        let of_other = self.coordinates.get(other).map_or(&[][..], Vec::as_slice);
+        let followed = match of_other {
+            [_, second] if mimic.attribute("axis") == Some("axis2") => second,
+            [first, ..] => first,
+            [] => other,
         };
         let offset = offset - factor * reference;
-        joint.mimic = Some(Mimic { joint: format!("{other}{suffix}"), factor, offset, span: tag(mimic) });
+        joint.mimic = Some(Mimic { joint: followed.to_string(), factor, offset, span: tag(mimic) });
     }
 }
 
-/// `<pose>x y z roll pitch yaw</pose>` of an element.
-fn pose_of(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose {
-    let Some(pose) = child(node, "pose").filter(|pose| pose.text().is_some_and(|text| !text.trim().is_empty())) else {
-        return Pose::default();
-    };
-    if pose.attribute("rotation_format").is_some_and(|format| format != "euler_rpy") {
-        reader.refuse(
-            tag(pose),
-            format!("the attitude of {of} is not in roll, pitch and yaw"),
-            "write `x y z roll pitch yaw`",
-        );
-        return Pose::default();
+/// Of each joint the names of its coordinates, of which no two are alike.
+fn coordinates<'a>(model: Node<'a, '_>) -> BTreeMap<&'a str, Vec<String>> {
+    let joints = || model.children().filter(|node| node.is_element() && node.tag_name().name() == "joint");
+    let mut taken: BTreeSet<String> =
+        joints().filter_map(|joint| joint.attribute("name")).map(str::to_string).collect();
+    let mut names = BTreeMap::new();
+    for joint in joints() {
+        let Some(name) = joint.attribute("name") else { continue };
+        let own = match joint.attribute("type") {
+            Some("universal" | "revolute2") => ["_1", "_2"]
+                .map(|suffix| {
+                    let name = spare(&format!("{name}{suffix}"), |name| taken.contains(name));
+                    taken.insert(name.clone());
+                    name
+                })
+                .to_vec(),
+            _ => vec![name.to_string()],
+        };
+        names.insert(name, own);
     }
-    let Some([x, y, z, mut rpy @ ..]) = reader.content::<6>(pose, &format!("the pose of {of}")) else {
-        return Pose::default();
-    };
-    if pose.attribute("degrees") == Some("true") {
-        rpy = rpy.map(f64::to_radians);
-    } else {
-        reader.doubt_angles(rpy, tag(pose), of);
-    }
-    Pose::of_rpy([x, y, z], rpy)
+    names
 }
 
-fn inertia(node: Node<'_, '_>, link: &str, reader: &mut Reader) -> Option<Inertial> {
-    let pose = pose_of(node, &format!("the inertial of the link `{link}`"), reader);
-    let mut number = |parent: Node<'_, '_>, name: &str| match child(parent, name) {
-        Some(node) => reader.content::<1>(node, &format!("`{name}` of the link `{link}`")).map(|[number]| number),
-        // Of what is not stated the specification gives a kilogram and a square metre.
-        None => Some(if name.len() == 3 && name.as_bytes()[1] != name.as_bytes()[2] { 0.0 } else { 1.0 }),
-    };
-    let mass = number(node, "mass")?;
-    let Some(entries) = child(node, "inertia") else {
-        reader.refuse(
-            tag(node),
-            format!("the inertial of the link `{link}` has no inertia"),
-            "write `<inertia>…</inertia>`",
-        );
-        return None;
-    };
-    let mut values = [0.0; 6];
-    for (value, name) in values.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
-        *value = number(entries, name)?;
+/// What moves a link besides joints and gravity.
+fn refuse_motions(link: Node<'_, '_>, name: &str, reader: &mut Reader) {
+    if let Some(node) = child(link, "kinematic").filter(|node| is_true(*node, reader)) {
+        let message = format!("the link `{name}` is `kinematic`: forces do not move it, which is not imported");
+        reader.refuse(tag(node), message, "leave it out, or fix the link by a joint");
     }
-    Some(Inertial { mass, com: pose.shift, inertia: turned_inertia(&pose.turn, values), span: tag(node) })
-}
-
-fn shape(visual: Node<'_, '_>, link: &str, reader: &mut Reader) -> Option<Shape> {
-    let of = format!("a visual of the link `{link}`");
-    let pose = pose_of(visual, &of, reader);
-    let form = child(visual, "geometry")?.children().find(Node::is_element)?;
-    let mut number = |name: &str| {
-        child(form, name)
-            .and_then(|node| reader.content::<1>(node, &format!("the size of {of}")))
-            .map(|[number]| number)
-    };
-    let form = match form.tag_name().name() {
-        "cylinder" => Form::Cylinder(number("radius")?, number("length")?),
-        "capsule" => Form::Capsule(number("radius")?, number("length")?),
-        "sphere" => Form::Sphere(number("radius")?),
-        "box" => Form::Box(reader.content(child(form, "size")?, &format!("the size of {of}"))?),
-        "mesh" => {
-            let file = child(form, "uri")?;
-            let scale = child(form, "scale").and_then(|node| reader.content(node, &format!("the scale of {of}")));
-            Form::Mesh(file.text().unwrap_or_default().trim().to_string(), scale.unwrap_or([1.0; 3]), tag(file))
+    let Some(decay) = child(link, "velocity_decay") else { return };
+    for what in ["linear", "angular"] {
+        let rate =
+            child(decay, what).and_then(|node| reader.content::<1>(node, &format!("`{what}` of `velocity_decay`")));
+        if rate.is_some_and(|[rate]| rate != 0.0) {
+            let message = format!("the link `{name}` is slowed by `velocity_decay`, which is not imported");
+            reader.refuse(tag(decay), message, "leave it out, and write it as a dissipation beside the import");
         }
-        _ => return None,
-    };
-    Some(Shape { form, pose })
+    }
 }

@@ -2,6 +2,7 @@
 //! refused because it would mean something else.
 
 mod mjcf;
+mod sdf;
 mod urdf;
 
 use crate::Analysis;

@@ -1,0 +1,173 @@
+//! Numbers are those of MuJoCo 4.0, of the same bodies in MJCF, put together by hand.
+
+use super::{moves, refused, text};
+
+const INERTIAL: &str = "<inertial><pose>0.1 0.2 0.3 0.1 0.2 0.3</pose><mass>2</mass>\
+    <inertia><ixx>0.03</ixx><iyy>0.04</iyy><izz>0.05</izz></inertia></inertial>";
+
+/// Its bodies are named `b` and `c`, its joints `j` and `k`.
+fn model(attributes: &str, inside: &str) -> String {
+    let inside = inside.replace("INERTIAL", INERTIAL);
+    format!("<sdf version='1.11'><model name='m' {attributes}>{inside}</model></sdf>")
+}
+
+fn link(pose: &str, rest: &str) -> String {
+    format!("<link name='b'><pose>{pose}</pose>{rest}</link>")
+}
+
+/// Of `b` in the world, with this pose and axis.
+fn joint(pose: &str, axis: &str) -> String {
+    format!("<joint name='j' type='revolute'><parent>world</parent><child>b</child>{pose}<axis>{axis}</axis></joint>")
+}
+
+const AXIS: &str = "<xyz>0 1 0</xyz>";
+
+/// A link `c` on `b`, hinged about x.
+fn second(pose: &str, rest: &str) -> String {
+    format!(
+        "<link name='c'>{pose}{rest}</link><joint name='k' type='revolute'><parent>b</parent><child>c</child>\
+         <axis><xyz>1 0 0</xyz></axis></joint>"
+    )
+}
+
+const BEHIND: &str = "<pose relative_to='b'>0 0.5 0 0 0 0</pose>";
+
+#[test]
+fn models_have_a_pose() {
+    let rolled = link("0 0 1 0 0 0", "INERTIAL") + &joint("", AXIS);
+    let (mass_matrix, bias) = ([0.23917480586539036], [-1.95055526023863]);
+    moves("m.sdf", &model("", &format!("<pose>0 0 0 1.0 0 0</pose>{rolled}")), &mass_matrix, &bias);
+    // The pose of the model is that of its link.
+    let placed = link("0 0 1 0.4 0 0", "INERTIAL") + &joint("", AXIS);
+    let by_link = model("placement_frame='b'", &format!("<pose>0 0 0 1.0 0 0</pose>{placed}"));
+    moves("m.sdf", &by_link, &mass_matrix, &bias);
+    assert!(text("m.sdf", &by_link).contains("    let b = rot_x(1) * rot_y(j);\n"));
+    let elsewhere = model("", &format!("<pose relative_to='x'>0 0 0 1.0 0 0</pose>{rolled}"));
+    refused("m.sdf", &elsewhere, "the model is placed relative to `x`, which is not imported");
+}
+
+/// The first link has no weight, the second one has.
+#[test]
+fn links_are_without_weight() {
+    let first = |rest: &str| link("0 0 1 0 0 0", &format!("INERTIAL{rest}")) + &joint("", AXIS);
+    moves(
+        "m.sdf",
+        &model("", &(first("<gravity>false</gravity>") + &second(BEHIND, "INERTIAL"))),
+        &[0.3787638342107095, -0.061226029573616295, -0.061226029573616295, 0.29171031749404613],
+        &[-3.052846904861996, 5.580087909279854],
+    );
+    // Alone it swings by nothing.
+    moves("m.sdf", &model("", &first("<gravity>0</gravity>")), &[0.23917480586539036], &[0.0]);
+    refused("m.sdf", &model("", &first("<gravity>no</gravity>")), "`gravity` is neither true nor false: `no`");
+}
+
+#[test]
+fn static_models_do_not_move() {
+    let moving = link("0 0 1 0 0 0", "INERTIAL") + &joint("", AXIS);
+    let xml = model("", &format!("<static>true</static>{moving}"));
+    refused("m.sdf", &xml, "the model `m` is static: nothing of it moves");
+    assert!(text("m.sdf", &xml.replace("true", "false")).contains("coord j"));
+}
+
+/// A kilogram, and a kg·m² about each axis.
+#[test]
+fn masses_have_defaults() {
+    let inertial = "<inertial><pose>0.1 0 0 0 0 0</pose><mass>2</mass></inertial>";
+    let links = link("0 0 1 0 0 0", "") + &joint("", AXIS) + &second(BEHIND, inertial);
+    moves("m.sdf", &model("", &links), &[2.02, 0.0, 0.0, 1.0], &[-1.8724595186861879, 0.0]);
+}
+
+#[test]
+fn masses_that_are_not_stated_are_refused() {
+    let check = |rest: &str, message: &str| {
+        refused("m.sdf", &model("", &(link("0 0 1 0 0 0", rest) + &joint("", AXIS))), message);
+    };
+    check(
+        "<inertial auto='true'/>",
+        "the inertial of the link `b` is to be computed from its collisions, by `auto`, which is not imported",
+    );
+    check(
+        "<inertial><pose relative_to='__model__'>0 0 1 0 0 0</pose></inertial>",
+        "the inertial of the link `b` is placed relative to `__model__`, which is not imported",
+    );
+    check(
+        "<inertial><fluid_added_mass/></inertial>",
+        "the inertial of the link `b` has the mass of a fluid, by `fluid_added_mass`, which is not imported",
+    );
+    check("<kinematic>true</kinematic>", "the link `b` is `kinematic`: forces do not move it, which is not imported");
+    check(
+        "<velocity_decay><linear>0.1</linear><angular>0</angular></velocity_decay>",
+        "the link `b` is slowed by `velocity_decay`, which is not imported",
+    );
+}
+
+/// z of the joint, where nothing is stated.
+#[test]
+fn axes_have_a_default() {
+    let pose = "<pose>0 0 0 1.0 0 0</pose>";
+    for axis in ["<limit><lower>-1</lower><upper>1</upper></limit>", "<xyz>0 0 1</xyz>"] {
+        let xml = model("", &(link("0 0 1 0 0 0", "INERTIAL") + &joint(pose, axis)));
+        moves("m.sdf", &xml, &[0.32180410074148863], &[-0.18145255829251555]);
+    }
+    let negative = format!("{AXIS}<dynamics><damping>-1</damping></dynamics>");
+    let xml = model("", &(link("0 0 1 0 0 0", "INERTIAL") + &joint("", &negative)));
+    refused("m.sdf", &xml, "the joint `j` has negative damping, friction or stiffness");
+}
+
+#[test]
+fn attitudes_are_in_degrees_and_quaternions() {
+    for pose in [
+        "<pose degrees='1'>0 0 1 90 0 0</pose>",
+        "<pose degrees='True'>0 0 1 90 0 0</pose>",
+        "<pose degrees='0'>0 0 1 1.5707963267948966 0 0</pose>",
+        "<pose rotation_format='quat_xyzw'>0 0 1 1 0 0 1</pose>",
+    ] {
+        let xml = model("", &format!("<link name='b'>{pose}INERTIAL</link>{}", joint("", AXIS)));
+        moves("m.sdf", &xml, &[0.2391748058653902], &[0.0]);
+    }
+    let unknown = "<link name='b'><pose rotation_format='wxyz'>0 0 1 1 0 0 1</pose></link>";
+    refused("m.sdf", &model("", unknown), "the pose of `b` is in a format that is not known, `wxyz`");
+}
+
+/// `frame` is what versions before 1.7 call `relative_to`.
+#[test]
+fn links_and_shapes_stand_in_joints() {
+    let pose = "<pose>0 0 0 1.0 0 0</pose>";
+    let first = link("0 0 1 0 0 0", "INERTIAL") + &joint(pose, AXIS);
+    for attribute in ["relative_to", "frame"] {
+        let links = first.clone() + &second(&format!("<pose {attribute}='j'>0 0 0.5 0 0 0</pose>"), "INERTIAL");
+        moves(
+            "m.sdf",
+            &model("", &links),
+            &[1.1029438695880551, -0.06122602957361631, -0.06122602957361631, 0.29171031749404636],
+            &[-4.305056890326029, -0.4313975811571247],
+        );
+    }
+    let ball = "<geometry><sphere><radius>0.1</radius></sphere></geometry>";
+    let visual = format!("INERTIAL<visual name='v'><pose relative_to='__model__'>0 0 3 0 0 0</pose>{ball}</visual>");
+    let text = text("m.sdf", &model("", &(link("0 0 1 0 0 0", &visual) + &joint("", AXIS))));
+    assert!(text.contains("    shape b * translation([0, 0, 2 m]) += sphere(0.1 m);\n"), "{text}");
+}
+
+/// Names that the file does not give are not those that it gives.
+#[test]
+fn automatic_names_give_way() {
+    let axes = "<axis><xyz>0 1 0</xyz></axis><axis2><xyz>1 0 0</xyz></axis2>";
+    let mimic = "<mimic joint='cross' axis='axis2'><multiplier>3</multiplier></mimic>";
+    let links = format!(
+        "<link name='b'/><link name='c'/><link name='d'/><link name='e'/>\
+         <joint name='cross' type='universal'><parent>world</parent><child>b</child>{axes}</joint>\
+         <joint name='cross_2' type='revolute'><parent>b</parent><child>c</child><axis>{AXIS}</axis></joint>\
+         <joint name='e_free' type='revolute'><parent>c</parent><child>d</child><axis>{AXIS}{mimic}</axis></joint>"
+    );
+    let text = text("m.sdf", &model("", &links));
+    for line in [
+        "    coord cross_1: rad;\n",
+        "    coord cross_2_2: rad;\n",
+        "    coord cross_2: rad;\n",
+        "    coord e_free_2_place[3]: m;\n",
+        "    let e_free = e_free_ratio*cross_2_2 + e_free_offset;\n",
+    ] {
+        assert!(text.contains(line), "{line}{text}");
+    }
+}
