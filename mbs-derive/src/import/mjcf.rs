@@ -383,7 +383,8 @@ fn named(root: Node<'_, '_>) -> BTreeSet<(&'static str, String)> {
     names
 }
 
-/// At least the mass and the principal moments of `boundmass` and `boundinertia`. What is negative stays, and is refused.
+/// At least the mass and the principal moments that `boundmass` and `boundinertia` ask for. What is negative stays so,
+/// and is refused.
 fn bounded(inertial: Inertial, least_mass: f64, least_moment: f64) -> Inertial {
     let [xx, yy, zz, xy, xz, yz] = inertial.inertia;
     let moments = principal_moments(&[xx, xy, xz, xy, yy, yz, xz, yz, zz]);

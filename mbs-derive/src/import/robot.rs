@@ -27,8 +27,8 @@ pub(super) struct Body {
     pub(super) name: String,
     /// None of what stands in the world.
     pub(super) parent: Option<usize>,
-    /// Where it is in the frame of its parent while its joints are at zero; of a free body, whose place is in the world,
-    /// where it is at first.
+    /// Where it is in the frame of its parent while its joints are at zero; of a free body whose place is counted from
+    /// the frame of its parent, where it is at first.
     pub(super) pose: Pose,
     /// In the order in which they act; none of a fixed body.
     pub(super) joints: Vec<Joint>,
