@@ -168,8 +168,7 @@ impl<'g> Turned<'g> {
         // Quarter turns are exact before the joint, and would cost its angle digits.
         let right_angle = Number::PI * Number::rational(1, 2).expect("one half");
         let quarters = Number::integer(libm::round(more.to_f64() / right_angle.to_f64()) as i64);
-        let rest = more + -(quarters * right_angle);
-        let is_quarters = rest.to_f64().abs() <= 8.0 * f64::EPSILON;
+        let is_quarters = (more + -(quarters * right_angle)).is_zero();
         if is_quarters && !quarters.is_zero() {
             above = self.hang(above, Edge::Turn(rotation(axis, quarters * right_angle, graph)), graph);
         }
