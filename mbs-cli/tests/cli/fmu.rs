@@ -248,7 +248,7 @@ fn constraints_that_repeat_others_are_for_co_simulation() {
     assert!(refused.stdout.contains("depends on the others: use co-simulation"), "{}", refused.stdout);
 
     let pendulum = "mechanism Pendulum { coord q: rad; kinetic += 1/2*(1.25 kg)*(0.25 m^2)*dt(q)^2; \
-        potential -= 1.5*(1 kg)*(9.81 m/s^2)*(0.5 m)*cos(q); }";
+        potential += -1.5*(1 kg)*(9.81 m/s^2)*(0.5 m)*cos(q); }";
     workshop.write("pendulum.mbs", pendulum);
     let steps = ["--state", "{\"q\": [0.7]}", "--t-end", "1.5", "--dt", "0.25", "--rtol", "1e-13", "--atol", "1e-15"];
     let expected = workshop.good(&[&["simulate", "pendulum.mbs"], &steps[..]].concat());
