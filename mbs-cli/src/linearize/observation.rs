@@ -1,5 +1,6 @@
 //! What outputs say of a change of the state: `δy = ∂y/∂q δq + ∂y/∂q̇ δq̇ + ∂y/∂u δu`.
 
+use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, Function, FunctionKind, Shape};
 use nalgebra::DMatrix;
@@ -64,17 +65,14 @@ fn generated(interpreter: &Interpreter<'_>, state: &State, number: usize) -> Opt
 /// The derivatives by dual numbers, for every component.
 fn by_duals(derivation: &Derivation, function: &Function, point: &Point) -> [Vec<f64>; 3] {
     let along = Along::new(derivation, point);
-    let widths = widths(point);
-    [0, 1, 2].map(|part| {
-        let column = |j: usize| {
-            let mut change = widths.map(|width| vec![0.0; width]);
-            change[part][j] = 1.0;
-            along.slope(function, change.each_ref().map(Vec::as_slice))
-        };
-        let columns: Vec<Vec<f64>> = (0..widths[part]).map(column).collect();
+    let rows = |width: usize, variable: fn(u32) -> Symbol| {
+        let column = |j: usize| along.slope(function, |symbol| f64::from(u8::from(symbol == variable(j as u32))));
+        let columns: Vec<Vec<f64>> = (0..width).map(column).collect();
         let height = columns.first().map_or(0, Vec::len);
         (0..height).flat_map(|i| columns.iter().map(move |column| column[i])).collect()
-    })
+    };
+    let [by_q, by_qd, by_u] = widths(point);
+    [rows(by_q, Symbol::Coordinate), rows(by_qd, Symbol::Velocity), rows(by_u, Symbol::Input)]
 }
 
 #[cfg(test)]

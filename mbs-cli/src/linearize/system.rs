@@ -1,5 +1,6 @@
 //! A, B, C and D of a mechanism at a state, and what they say.
 
+use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::Interpreter;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
@@ -84,20 +85,21 @@ fn along_admissible_motions(
 ) -> [DMatrix<f64>; 3] {
     let (n, along) = (derivation.dof(), Along::new(derivation, point));
     let function = derivation.function(FunctionKind::ForwardDynamics).expect("every mechanism has it");
-    let by = |changes: [&DMatrix<f64>; 3]| {
-        let column = |j: usize| {
-            let change = changes.map(|change| change.column(j).into_owned());
-            along.slope(function, change.each_ref().map(|change| change.as_slice()))
-        };
-        let columns = changes[0].ncols();
+    let by = |columns: usize, change: &dyn Fn(Symbol, usize) -> f64| {
+        let column = |j: usize| along.slope(function, |symbol| change(symbol, j));
         DMatrix::from_column_slice(n, columns, &(0..columns).flat_map(column).collect::<Vec<f64>>())
     };
-    let inputs = point.state.u.len();
-    let none = |columns: usize| DMatrix::zeros(n, columns);
     [
-        by([p, s, &DMatrix::zeros(inputs, p.ncols())]),
-        by([&none(r.ncols()), r, &DMatrix::zeros(inputs, r.ncols())]),
-        by([&none(inputs), &none(inputs), &DMatrix::identity(inputs, inputs)]),
+        by(p.ncols(), &|symbol, j| match symbol {
+            Symbol::Coordinate(i) => p[(i as usize, j)],
+            Symbol::Velocity(i) => s[(i as usize, j)],
+            _ => 0.0,
+        }),
+        by(r.ncols(), &|symbol, j| match symbol {
+            Symbol::Velocity(i) => r[(i as usize, j)],
+            _ => 0.0,
+        }),
+        by(point.state.u.len(), &|symbol, j| f64::from(u8::from(symbol == Symbol::Input(j as u32)))),
     ]
 }
 

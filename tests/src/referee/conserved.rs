@@ -39,7 +39,7 @@ pub(super) fn unchanged(
     let interpreter = Interpreter::with_parameters(derivation, parameters);
     let (mut rates, mut parts) = (vec![0.0; names.len()], vec![0.0; names.len()]);
     for seed in seeds(state, sizes) {
-        let mut moving = lifted(state);
+        let mut moving = state.along(|_| 0.0);
         (seed.change)(&mut moving);
         for (i, value) in interpreter.evaluate(function, &moving).iter().enumerate() {
             rates[i] += value.derivative * seed.rate;
@@ -52,18 +52,6 @@ pub(super) fn unchanged(
         }
     }
     Ok(())
-}
-
-fn lifted(state: &State) -> State<Dual<f64>> {
-    let all = |values: &[f64]| values.iter().map(|&x| Dual::fixed(x)).collect::<Vec<_>>();
-    State {
-        t: Dual::fixed(state.t),
-        q: all(&state.q),
-        qd: all(&state.qd),
-        qdd: all(&state.qdd),
-        u: all(&state.u),
-        prescribed: state.prescribed.iter().map(|signal| signal.map(Dual::fixed)).collect(),
-    }
 }
 
 /// Each number of the state with its rate.
