@@ -1,6 +1,6 @@
 //! What the generated documentation says: equations, shapes, units, operation counts.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -48,12 +48,18 @@ pub(super) fn mechanism(derivation: &Derivation, functions: &[&Function]) -> Vec
 
 /// What the documentation of a module with this code says: its mechanism, the key to its locals where there is one, and
 /// what constants are made of that were regrouped.
-pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str, code: &str) -> Vec<String> {
+pub(super) fn module<'c>(
+    derivation: &Derivation,
+    module: &str,
+    mechanism: &str,
+    code: impl IntoIterator<Item = &'c str>,
+) -> Vec<String> {
     let mut lines = vec![format!("The mechanism [`{mechanism}`]({module}::{mechanism}).")];
     let programs = derivation.functions.iter().map(|function| &function.program).chain([&derivation.constructor]);
     let notes = programs.flat_map(|program| &program.notes).map(|(_, name)| name.trim_start_matches("by_"));
     let letters = |name: &'_ str| name.split(|c: char| c.is_ascii_digit()).next().map(str::to_string);
-    let words: BTreeSet<&str> = code.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let is_between = |c: char| !c.is_alphanumeric() && c != '_';
+    let words: HashSet<&str> = code.into_iter().flat_map(|text| text.split(is_between)).collect();
     // Values that are written inside others have no name in the code.
     let mut written: BTreeSet<String> =
         words.iter().filter_map(|word| letters(word.trim_start_matches("by_"))).collect();
@@ -87,7 +93,7 @@ pub(super) fn module(derivation: &Derivation, module: &str, mechanism: &str, cod
 }
 
 /// Of each regrouped constant that has a name in the code the parameters that it is made of.
-fn regrouped(derivation: &Derivation, words: &BTreeSet<&str>) -> Vec<String> {
+fn regrouped(derivation: &Derivation, words: &HashSet<&str>) -> Vec<String> {
     let is_one = |name: &str| {
         let joint = ["mr", "hr", "sr"].iter().find_map(|letters| name.strip_prefix(letters));
         joint.is_some_and(|joint| joint.starts_with(|c: char| c.is_ascii_digit())) && words.contains(name)

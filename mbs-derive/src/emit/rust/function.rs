@@ -12,14 +12,14 @@ use super::super::doc;
 use super::super::name::{escaped, ident};
 use super::super::walk::{Argued, Ending, Motion, Routine, Sizes};
 use super::shape::{array, array_of, shape_type, shaped, written};
-use super::{Module, tokens, traits};
+use super::{Module, layout, tokens, traits};
 
 impl Module<'_> {
     /// All of them; what those with constraints have in common comes last.
     pub(super) fn functions(&self) -> TokenStream {
-        let routines = self.walk.routines(&self.with("self.params"));
-        let (motion, public): (Vec<_>, Vec<_>) = routines.iter().partition(|routine| routine.is_motion());
-        let functions = public.into_iter().chain(motion).map(|routine| self.function(routine));
+        let (motion, public): (Vec<_>, Vec<_>) =
+            self.routines.iter().enumerate().partition(|(_, routine)| routine.is_motion());
+        let functions = public.into_iter().chain(motion).map(|(number, routine)| self.function(number, routine));
         let system = self.entries_of_the_system();
         quote!(#(#functions)* #system)
     }
@@ -42,11 +42,11 @@ impl Module<'_> {
         })
     }
 
-    fn function(&self, routine: &Routine) -> TokenStream {
+    fn function(&self, number: usize, routine: &Routine) -> TokenStream {
         let (docs, name) = (doc::attributes(&routine.docs), ident(&escaped(&routine.name)));
         let visibility = (!routine.is_motion()).then(|| quote!(pub));
         let arguments = self.arguments(&routine.arguments);
-        let (result, body) = (self.result_type(routine.kind, &shapes(routine)), tokens(&self.body(routine)));
+        let (result, body) = (self.result_type(routine.kind, &shapes(routine)), tokens(&self.body(number, routine)));
         if is_written(routine) {
             let note = doc::attributes(&[
                 String::new(),
@@ -97,9 +97,13 @@ impl Module<'_> {
     }
 
     /// What a function does.
-    fn body(&self, routine: &Routine) -> String {
+    fn body(&self, number: usize, routine: &Routine) -> String {
         let given: Vec<&str> = routine.arguments.iter().map(|(name, _)| *name).collect();
-        let (given, lines) = (given.join(", "), routine.lines.join("\n"));
+        let given = given.join(", ");
+        let lines = match self.is_abbreviated {
+            true => layout::abbreviated(number, routine),
+            false => routine.lines.join("\n"),
+        };
         let motion = format!("self.{}({given})", self.walk.names.constrained_motion);
         match &routine.ending {
             Ending::Values => format!("{lines}\n{}", results(routine)),

@@ -32,7 +32,7 @@ pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> 
     let leaving = leaving(&pieces, &block.results);
     let names: Vec<&str> = leaving.iter().map(|local| writer.body.locals[*local].as_str()).collect();
     let (mut links, mut numbers) = (links::starts(&block.statements, &writer.body.links), 0..);
-    let blocks = pieces.iter().map(|piece| {
+    let blocks = pieces.iter().flat_map(|piece| {
         let lines = piece.iter().zip(numbers.by_ref()).flat_map(|(statement, i)| {
             let leaves = statement.binds().iter().any(|local| leaving.contains(local));
             let assigned = move |line: String| match line.strip_prefix("let ") {
@@ -41,8 +41,10 @@ pub(super) fn statements(block: &Block, writer: &Writer<'_, '_>) -> Vec<String> 
             };
             writer.below_link(links.remove(&i), statement).map(assigned)
         });
-        let lines = lines.collect::<Vec<_>>().join("\n");
-        if piece.iter().any(is_on_demand) { lines } else { format!("{{ {lines} }}") }
+        let lines: Vec<String> = lines.collect();
+        let around = if piece.iter().any(is_on_demand) { [None, None] } else { [Some("{"), Some("}")] };
+        let [open, close] = around.map(|brace| brace.map(str::to_string));
+        open.into_iter().chain(lines).chain(close)
     });
     std::iter::once(format!("let [{}]: [T; {}];", names.join(", "), names.len())).chain(blocks).collect()
 }

@@ -30,7 +30,13 @@ pub(super) struct Rust<'m, 'd> {
 impl<'d> Module<'d> {
     /// Where the parameters are at `params`.
     pub(super) fn with(&self, params: &'static str) -> Rust<'_, 'd> {
-        Rust { walk: &self.walk, infix: self.infix, params }
+        Rust::new(&self.walk, self.infix, params)
+    }
+}
+
+impl<'m, 'd> Rust<'m, 'd> {
+    pub(super) fn new(walk: &'m Walk<'d>, infix: bool, params: &'static str) -> Self {
+        Rust { walk, infix, params }
     }
 }
 

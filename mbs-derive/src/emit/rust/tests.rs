@@ -361,3 +361,17 @@ fn literals_are_shortest_and_read_back() {
     }
     assert_eq!(literal(-0.1), "-0.1");
 }
+
+/// Statements that the formatter is not shown are as it writes them: short and long ones, in blocks, in loops.
+#[test]
+fn statements_stand_as_the_formatter_writes_them() {
+    for derivation in [oscillator("Oscillator", "x", "m"), chain(3), chain(16)] {
+        for infix in [false, true] {
+            let options = Options::default().infix(infix);
+            let module = Module { is_abbreviated: false, ..Module::new(&derivation, &options) };
+            assert_eq!(rust(&derivation, "x.mbs", &options), module.printed(&module.file(), "x.mbs"));
+            let abbreviated = prettyplease::unparse(&Module::new(&derivation, &options).file());
+            assert!(abbreviated.matches("lines!(").count() > 3, "{abbreviated}");
+        }
+    }
+}
