@@ -73,7 +73,7 @@ codes! {
     ValueOfACoordinate = 405,
     QuantityOrProduct = 406,
     UnitOrName = 407,
-    AngleBesideNumbers = 408,
+    QuantityBesideNumbers = 408,
     RadiansAlready = 409,
     OutOfRange = 410,
     GivenInSi = 411,

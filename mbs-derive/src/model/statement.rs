@@ -21,6 +21,7 @@ use crate::diagnostic::Code;
 use crate::model::names::function::Home;
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
+use crate::model::value::quantity::UnitsInPlace;
 use crate::model::value::{Scalar, Shape, Value, shared};
 use crate::parse::syntax::{Expression, Name, Quantity, Span, Statement, StatementKind};
 
@@ -97,11 +98,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
             StatementKind::Function { .. } => self.outermost("fn", &statement.span),
             StatementKind::Let { mutable, name, value } => {
                 let origin = if *mutable { Origin::Mutable } else { Origin::Local };
+                let has_unit = self.units_in_place(value) != UnitsInPlace::None;
                 let value = self.definition(name, value).ok();
                 if let Some(value) = value.as_ref().filter(|_| !mutable) {
                     self.remember(&name.text, self.effort.numbers.clone(), value);
                 }
-                self.declare(name, origin, value)
+                self.declare(name, origin, value)?;
+                self.names.scope.note_unit(&name.text, has_unit);
+                Ok(())
             }
             StatementKind::Elements { mutable, name, lengths } => self.declare_elements(name, *mutable, lengths),
             StatementKind::Assign { name, indices, value } if indices.is_empty() => self.assign(name, value),

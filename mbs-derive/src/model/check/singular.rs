@@ -164,7 +164,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         for special in search.special_states() {
             let values = search.values(&special.state);
             for fault in search.faults(&special, &values) {
-                let Some(site) = (0..sites.len()).find(|&i| search.is_at(&fault, copies[i])) else { continue };
+                let Some(site) = search.site(&fault, &copies) else { continue };
                 let place = (sites[site].span.start, sites[site].span.end);
                 if !found.contains_key(&place) && search.is_reachable(&fault, &special, &values) {
                     found.insert(place, (site, search.message(&fault, &special)));
@@ -417,9 +417,11 @@ fn is_zero(x: Rounded) -> bool {
 // ---- places and messages
 
 impl Search<'_, '_, '_> {
-    /// Whether a fault is that of the site whose copy this is.
-    fn is_at(&self, fault: &Fault, copy: Expr<'_>) -> bool {
-        fault.node == copy.id() || singular_base(self.graph.expr(fault.node)) == singular_base(without_factor(copy))
+    /// The site of a fault among these: itself, else the first one where the same vanishes.
+    fn site(&self, fault: &Fault, copies: &[Expr<'_>]) -> Option<usize> {
+        let base = singular_base(self.graph.expr(fault.node));
+        let itself = copies.iter().position(|copy| copy.id() == fault.node);
+        itself.or_else(|| copies.iter().position(|copy| singular_base(without_factor(*copy)) == base))
     }
 
     fn message(&self, fault: &Fault, special: &Special) -> String {

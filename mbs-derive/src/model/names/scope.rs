@@ -66,8 +66,8 @@ pub(in crate::model) struct Binding<'g> {
     pub(in crate::model) span: Span,
     /// Where the value is used first, since it was given.
     pub(in crate::model) used: Option<Span>,
-    /// Whether it is a constant that was declared in `rad` or `deg`: its value is in radians.
-    pub(in crate::model) is_angle: bool,
+    /// Whether its value is in units of the SI: that of a constant with a unit, or made of such.
+    pub(in crate::model) has_unit: bool,
     /// In place of a value: elements that are given theirs one by one.
     pub(in crate::model) elements: Option<Elements<'g>>,
 }
@@ -75,7 +75,7 @@ pub(in crate::model) struct Binding<'g> {
 impl<'g> Binding<'g> {
     /// A value that nothing has used yet.
     pub(in crate::model) fn new(origin: Origin, value: Option<Value<'g>>, span: Span) -> Self {
-        Binding { origin, value, span, used: None, is_angle: false, elements: None }
+        Binding { origin, value, span, used: None, has_unit: false, elements: None }
     }
 }
 
@@ -214,6 +214,13 @@ impl<'g> Scope<'g> {
     /// What a name stands for, to give it a new value.
     pub(in crate::model) fn get_mut(&mut self, name: &str) -> Option<&mut Binding<'g>> {
         self.blocks.iter_mut().rev().find_map(|block| block.get_mut(name))
+    }
+
+    /// Whether the value of a name has a unit.
+    pub(in crate::model) fn note_unit(&mut self, name: &str, has_unit: bool) {
+        if let Some(binding) = self.get_mut(name) {
+            binding.has_unit = has_unit;
+        }
     }
 
     /// That the value of a name is used here; what functions do with their arguments is no use of the name.

@@ -9,7 +9,7 @@ use crate::variable::Variable;
 
 use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::model::names::scope::Origin;
-use crate::model::value::quantity::AnglesInPlace;
+use crate::model::value::quantity::UnitsInPlace;
 use crate::model::value::{Free, Scalar, Tensor, Value};
 use crate::parse::syntax::{Expression, Quantity, Span};
 
@@ -187,12 +187,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
     /// `const d[6]: m = [0.78, …];`
     pub(in crate::model) fn constant(&mut self, quantity: &'d Quantity) -> Resolved<()> {
         let (length, measure) = (self.length(quantity), self.measure_if_any(quantity));
-        let is_angle = matches!(&measure, Ok(Some(measure)) if measure.si == "rad");
+        let has_unit = match &measure {
+            Ok(Some(measure)) => measure.si != "1" || !measure.scale.is_one(),
+            _ => quantity.value.as_ref().is_some_and(|value| self.units_in_place(value) != UnitsInPlace::None),
+        };
         let value = self.value_of_constant(quantity, measure, length);
         self.declare(&quantity.name, Origin::Constant, value.ok())?;
-        if let Some(binding) = self.names.scope.get_mut(&quantity.name.text) {
-            binding.is_angle = is_angle;
-        }
+        self.names.scope.note_unit(&quantity.name.text, has_unit);
         Ok(())
     }
 
@@ -385,15 +386,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// What plain numbers of a value are in: angles that have their unit behind them are not in the declared one.
+    /// What plain numbers of a value are in: those that have their unit behind them are not in the declared one.
     fn measure_of(&mut self, value: &Expression, declared: &Measure) -> Resolved<Measure> {
-        if declared.dimension != Dimension::ONE || declared.scale.is_one() {
+        let dimensions_tell = declared.dimension != Dimension::ONE && !self.dimensionless;
+        if dimensions_tell || declared.scale.is_one() {
             return Ok(declared.clone());
         }
-        match self.angles_in_place(value) {
-            AnglesInPlace::None => Ok(declared.clone()),
-            AnglesInPlace::All => Ok(Measure { scale: Number::ONE, ..declared.clone() }),
-            AnglesInPlace::Some => Err(self.mixed_angles(&value.span)),
+        match self.units_in_place(value) {
+            UnitsInPlace::None => Ok(declared.clone()),
+            UnitsInPlace::All => Ok(Measure { scale: Number::ONE, ..declared.clone() }),
+            UnitsInPlace::Some => Err(self.mixed_units(&declared.si, &value.span)),
         }
     }
 

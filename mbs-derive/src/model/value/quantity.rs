@@ -6,15 +6,18 @@ use crate::model::names::scope::Origin;
 use crate::model::value::dimension::{Dimension, measure};
 use crate::model::value::evaluate::{Refused, Resolved, Resolver};
 use crate::model::value::{Scalar, Value};
-use crate::parse::syntax::{Expression, ExpressionKind, Name, Span, Unit, UnitFactor};
+use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span, Unit, UnitFactor};
 
-/// Which of the angles of a declaration have a unit of their own.
+/// Which of the numbers of a declaration have a unit of their own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::model) enum AnglesInPlace {
+pub(in crate::model) enum UnitsInPlace {
     None,
     Some,
     All,
 }
+
+/// Functions that give angles in radians.
+const ARCS: [&str; 4] = ["asin", "acos", "atan", "atan2"];
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// The number in SI units, with its dimension.
@@ -79,39 +82,44 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    /// Where angles are declared in a unit other than rad, plain numbers are in it; those with a unit are not, nor are
-    /// constants that were declared as angles.
-    pub(in crate::model) fn angles_in_place(&self, value: &Expression) -> AnglesInPlace {
-        let is_angle = |part: &&Expression| match &part.kind {
-            ExpressionKind::Quantity(_, unit) => measure(unit).is_ok_and(|m| m.dimension == Dimension::ONE),
-            // A constant that was declared in `rad` or `deg` has its unit, too.
-            _ => part
-                .element_of()
-                .is_some_and(|(name, _)| self.names.scope.get(name).is_some_and(|known| known.is_angle)),
-        };
-        if !value.parts().any(|part| is_angle(&part)) {
-            return AnglesInPlace::None;
-        }
-        let mut leaves = vec![value];
-        while let Some(leaf) = leaves.pop() {
-            match &leaf.kind {
-                ExpressionKind::Array(elements) => leaves.extend(elements),
-                ExpressionKind::Negate(inner) => leaves.push(inner),
-                _ if is_angle(&leaf) => {}
-                _ => return AnglesInPlace::Some,
+    /// Where dimensions do not tell, plain numbers are in the declared unit; those with a unit are not, nor are names
+    /// of values with a unit, nor what is made of such alone, nor arcs.
+    pub(in crate::model) fn units_in_place(&self, value: &Expression) -> UnitsInPlace {
+        let (mut with, mut without) = (false, false);
+        let mut parts = vec![value];
+        while let Some(part) = parts.pop() {
+            match &part.kind {
+                ExpressionKind::Quantity(..) => with = true,
+                ExpressionKind::Call(function, _) if ARCS.contains(&function.text.as_str()) => with = true,
+                ExpressionKind::Number(_) => without = true,
+                // An exponent has no unit.
+                ExpressionKind::Binary(BinaryOperator::Pow, base, _) => parts.push(base),
+                _ => match part.element_of() {
+                    Some((name, _)) if self.names.scope.get(name).is_some_and(|known| known.has_unit) => with = true,
+                    Some(_) => without = true,
+                    None => parts.extend(part.operands()),
+                },
             }
         }
-        AnglesInPlace::All
+        match (with, without) {
+            (true, false) => UnitsInPlace::All,
+            (true, true) => UnitsInPlace::Some,
+            (false, _) => UnitsInPlace::None,
+        }
     }
 
-    /// An angle with a unit of its own beside what has none.
-    pub(in crate::model) fn mixed_angles(&mut self, span: &Span) -> Refused {
-        let message = "an angle with its unit stands beside numbers without one";
+    /// Numbers with a unit of their own beside what has none, in a declaration in a unit of this one of the SI.
+    pub(in crate::model) fn mixed_units(&mut self, si: &str, span: &Span) -> Refused {
+        let (what, example) = match si {
+            "rad" => ("an angle", ", as in `[30 deg, 0.5 rad]`"),
+            _ => ("a quantity", ""),
+        };
+        let message = format!("{what} with its unit stands beside numbers without one");
         self.refuse(
-            Code::AngleBesideNumbers,
+            Code::QuantityBesideNumbers,
             span,
             message,
-            "give each its unit, as in `[30 deg, 0.5 rad]`, or declare it in `rad`",
+            format!("give each its unit{example}, or declare it in `{si}`"),
         )
     }
 }
@@ -129,7 +137,9 @@ fn shown(decimal: &str, factors: &[UnitFactor]) -> String {
 mod tests {
     use std::f64::consts::PI;
 
-    use crate::model::check::trial::{mechanism, messages, near, refusals, refused, same, value, value_with_unit};
+    use crate::model::check::trial::{
+        mechanism, messages, near, refusals, refused, resolved, same, value, value_with_unit,
+    };
     use crate::model::value::dimension;
     use crate::parse::UNITS;
 
@@ -196,10 +206,34 @@ mod tests {
                      declare it in `rad`";
         refused("param a[2]: deg = [0.5 rad, 30];", &format!("[0.5 rad, 30]: {mixed}"));
         refused("const a: deg = 2*0.5 rad;", &format!("2*0.5 rad: {mixed}"));
+        check("param a: mm/m = 60;", 0.06);
+        check("const b: mm/m = 60; param a: mm/m = b;", 0.06);
+        check("const b[2]: g/kg = [5, 6]; param a: g/kg = b[0];", 0.005);
+        check("const b: mm = 3; const c: m = 2; param a: mm/m = b/c;", 0.0015);
+        check("const b: mm = 3; let c = 2*b/(1 m); param a: mm/m = c;", 0.006);
+        check("const b: 1 = 3; param a: mm/m = 2*b;", 0.006);
+        check("param a: deg = atan(1);", PI / 4.0);
+        check("const b: m = 3; param a: deg = atan2(b, 3 m);", PI / 4.0);
+        let beside = "a quantity with its unit stands beside numbers without one; give each its unit, or declare it in";
+        refused("const b: mm/m = 5; param a: mm/m = 2*b;", &format!("2*b: {beside} `m/m`"));
         refused(
             "param a: m = 50 kg;",
             "50 kg: m is declared, this is kg; a plain number is taken in the declared unit",
         );
+    }
+
+    /// Where nothing has a dimension, quantities have their unit all the same.
+    #[test]
+    fn quantities_without_dimensions_are_converted_once() {
+        let first = |declaration: &str| {
+            let text = format!("#![dimensionless] mechanism A {{ {declaration} coord x: 1; kinetic += a*dt(x)^2; }}");
+            resolved(&text, |found| found.map(|(lagrangian, _)| lagrangian.parameters[0].defaults[0].to_f64()).unwrap())
+        };
+        near(&[first("param a: cm = 0.5 m;")], &[0.5], "quantity");
+        near(&[first("param a: km/h = 36 km/h;")], &[10.0], "velocity");
+        near(&[first("param a: km/h = 36;")], &[10.0], "plain");
+        near(&[first("const b: mm = 500; param a: mm = b;")], &[0.5], "constant");
+        near(&[first("const b: 1 = 500; param a: mm = b;")], &[0.5], "plain constant");
     }
 
     #[test]

@@ -32,6 +32,19 @@ fn lengths_at_zero() {
     warned("constraint level: x*hypot(x, y) = 0;", "hypot(x, y)", "`x` = 0, `y` = 0");
 }
 
+/// Where the same vanishes at several places each has its own warning.
+#[test]
+fn each_place_has_its_warning() {
+    let found = refusals("output a = sqrt(x^2); output b = (x^2)^(1/3); potential += k*l^(2/3)*(x^2)^(2/3);");
+    let of = |place: &str, means: &str| {
+        let is_it = |warning: &&String| warning.starts_with(&format!("{place}: ")) && warning.contains(means);
+        assert_eq!(found.iter().filter(is_it).count(), 1, "{place}: {found:?}");
+    };
+    of("sqrt(x^2)", "the output's velocity");
+    of("(x^2)^(1/3)", "the output's velocity");
+    of("(x^2)^(2/3)", "the equations of motion");
+}
+
 #[test]
 fn what_cancels_or_is_never_reached_is_fine() {
     fine("potential += k*[x, y, z].norm()^2;");
