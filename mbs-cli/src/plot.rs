@@ -173,7 +173,8 @@ fn groups(over: &Numbers, column: &Numbers) -> Vec<(f64, Vec<f64>)> {
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut groups: Vec<&[(f64, f64)]> = pairs.chunk_by(|a, b| a.0 == b.0).collect();
     if groups.len() > MOST_VALUES {
-        groups = pairs.chunks(pairs.len().div_ceil(PARTS)).collect();
+        let place = |part: usize| part * pairs.len() / PARTS;
+        groups = (0..PARTS).map(|part| &pairs[place(part)..place(part + 1)]).collect();
     }
     let sorted = |group: &&[(f64, f64)]| {
         let mut values: Vec<f64> = group.iter().map(|(_, y)| *y).collect();
@@ -213,6 +214,8 @@ mod tests {
         let numbers: Vec<f64> = (0..1000).map(f64::from).collect();
         let many = groups(&column("x", &numbers), &column("y", &numbers));
         assert_eq!((many.len(), many[0].0, many[19].1.len()), (20, 24.5, 50));
+        let uneven = groups(&column("x", &numbers[..381]), &column("y", &numbers[..381]));
+        assert!(uneven.len() == 20 && uneven.iter().all(|(_, values)| [19, 20].contains(&values.len())));
     }
 
     #[test]

@@ -84,6 +84,10 @@ pub(crate) struct Arguments {
     /// Seconds between rows, and the step of methods without error control; a thousandth of the duration if not given.
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
+    /// The longest step of dop853 and dopri5, which may step over what comes and goes in less time: a short push, a
+    /// bump, a contact [default: --dt].
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
+    max_step: Option<f64>,
     /// How constraints are kept: `state`, positions and velocities are projected after each step;
     /// `baumgarte:ALPHA,BETA`, stabilization with these gains in 1/s; `none`.
     #[arg(long, value_name = "HOW", default_value = "state", value_parser = drift)]
@@ -177,12 +181,14 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if point.state.prescribed.iter().enumerate().any(contradicts) {
         output::warn("prescribed signals stay as given: a value that stays contradicts a rate that is not zero");
     }
+    let step = times.get(1).map_or(1.0, |second| second - times[0]);
     let settings = Settings {
         method: arguments.method,
         accuracy: Accuracy {
             relative: arguments.rtol.unwrap_or(1e-10),
             absolute: arguments.atol.unwrap_or(1e-12),
-            step: times.get(1).map_or(1.0, |second| second - times[0]),
+            step,
+            longest: arguments.max_step.unwrap_or(step),
             most_steps: MOST_STEPS,
         },
         drift: arguments.project,
@@ -260,10 +266,11 @@ fn check_outputs(arguments: &Arguments, files: &mut Files) -> Result<(), Failure
 
 /// Says which of the options that were given have nothing to act on.
 fn warn_of_idle_options(arguments: &Arguments, derivation: &Derivation) {
-    if !arguments.method.has_error_control() && (arguments.rtol.is_some() || arguments.atol.is_some()) {
+    let of_control = [arguments.rtol, arguments.atol, arguments.max_step];
+    if !arguments.method.has_error_control() && of_control.iter().any(Option::is_some) {
         let method = arguments.method.to_possible_value();
         let name = method.as_ref().map_or("this method", |value| value.get_name());
-        output::warn(format_args!("{name} has no error control, --rtol and --atol do nothing"));
+        output::warn(format_args!("{name} has no error control, --rtol, --atol and --max-step do nothing"));
     }
     let is_held = !arguments.hold.is_empty();
     if derivation.constraints.is_empty()

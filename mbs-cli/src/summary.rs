@@ -26,6 +26,8 @@ pub(crate) struct Summary {
     /// What varies, where its share of the variance can be told.
     variables: Option<Vec<String>>,
     seed: u64,
+    /// Whether the members are drawn, each by itself, so that there are bounds.
+    is_drawn: bool,
     /// The polynomials that the members were made for, if they were.
     chaos: Option<Polynomials>,
 }
@@ -58,14 +60,16 @@ impl Summary {
             values: vec![Vec::new(); columns.len()],
             variables: matches!(design.kind(), Kind::Saltelli | Kind::Chaos).then(names),
             seed: design.seed(),
+            is_drawn: design.draws_each_member(),
             chaos: Polynomials::of(design),
         }
     }
 
-    /// Of a table that was written before, without what a plan says of it.
+    /// Of a table that was written before, without what a plan says of it: whether its members are drawn one by one is
+    /// not known.
     pub(crate) fn of_table(table: Table) -> Self {
         let (columns, values) = table.columns.into_iter().map(|column| (column.about, column.values)).unzip();
-        Summary { columns, values, variables: None, seed: 0, chaos: None }
+        Summary { columns, values, variables: None, seed: 0, is_drawn: false, chaos: None }
     }
 
     /// With the quantities of a table of the same plan; those that no member has are not in a table.
@@ -85,9 +89,14 @@ impl Summary {
     fn statistics(&self) -> impl Iterator<Item = (&Column, Statistics)> {
         let statistics = |values: &Vec<f64>| match &self.chaos {
             Some(polynomials) => Statistics::of_polynomial(values, polynomials),
-            None => Statistics::of_members(values, self.variables.as_ref().map(Vec::len), self.seed),
+            None => self.of_members(values),
         };
         self.columns.iter().zip(self.values.iter().map(statistics))
+    }
+
+    fn of_members(&self, values: &[f64]) -> Statistics {
+        let statistics = Statistics::of_members(values, self.variables.as_ref().map(Vec::len), self.seed);
+        if self.is_drawn { statistics } else { statistics.without_bounds() }
     }
 
     /// A table for people.
@@ -217,6 +226,11 @@ impl Statistics {
             highest: None,
             is_drawn: true,
         }
+    }
+
+    /// Of members that share what is drawn.
+    fn without_bounds(self) -> Self {
+        Statistics { mean: Estimate::exact(self.mean.value), is_drawn: false, ..self }
     }
 
     /// NaN where a member has no value.

@@ -165,6 +165,11 @@ impl Design {
         self.kind
     }
 
+    /// Whether each member is drawn by itself: none shares what is drawn with others of a grid or of a row.
+    pub fn draws_each_member(&self) -> bool {
+        self.points == 1 && !matches!(self.kind, Kind::Saltelli | Kind::Chaos)
+    }
+
     /// The degree of the polynomials of the design `chaos`; `None` of others.
     pub fn degree(&self) -> Option<usize> {
         self.rules.as_ref().map(|(degree, _)| *degree)

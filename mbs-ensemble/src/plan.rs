@@ -152,6 +152,8 @@ pub struct Motion {
     pub absolute: Option<Located<f64>>,
     /// `step`, that of methods without.
     pub step: Option<Located<Amount>>,
+    /// `max_step`, the longest one of methods with error control.
+    pub max_step: Option<Located<Amount>>,
     /// `redundant = "least-norm"`: what is done about constraints that depend on others; they are refused without.
     pub redundant: Option<Located<String>>,
     /// `until = { zero = "height", direction = "falling" }`: what ends it before.

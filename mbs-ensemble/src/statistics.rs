@@ -12,9 +12,7 @@ pub mod orthogonal;
 pub mod rare;
 pub mod sensitivity;
 
-use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF};
-
-use crate::distribution::standard;
+use statrs::distribution::{Binomial, ContinuousCDF, DiscreteCDF, StudentsT};
 
 /// Mean and variance of values that are given one by one.
 ///
@@ -55,10 +53,12 @@ impl Moments {
         self.variance().sqrt()
     }
 
-    /// The bounds of the mean of what the values were drawn from, at this confidence, such as 0.95: by the normal
-    /// distribution, which the mean of many values has.
+    /// The bounds of the mean of what the values were drawn from, one by one, at this confidence, such as 0.95: by
+    /// Student's distribution, which is that of normal values, and of the mean of many others. NaN of fewer than two.
     pub fn mean_interval(&self, confidence: f64) -> [f64; 2] {
-        let half = standard().inverse_cdf(0.5 + confidence / 2.0) * self.deviation() / (self.count as f64).sqrt();
+        let student = StudentsT::new(0.0, 1.0, self.count.saturating_sub(1) as f64).ok();
+        let factor = student.map_or(f64::NAN, |student| student.inverse_cdf(0.5 + confidence / 2.0));
+        let half = factor * self.deviation() / (self.count as f64).sqrt();
         [self.mean - half, self.mean + half]
     }
 }
@@ -132,6 +132,7 @@ mod tests {
     use chacha20::rand_core::Rng;
 
     use super::*;
+    use crate::distribution::standard;
     use crate::sequence::{Purpose, random, unit};
 
     #[test]
@@ -153,18 +154,20 @@ mod tests {
     #[test]
     fn intervals_cover_what_they_say() {
         let normal = |p: f64| standard().inverse_cdf(p);
-        let (cases, mut mean, mut quantiles) = (2000, 0, 0);
+        let (cases, mut mean, mut of_three, mut quantiles) = (2000, 0, 0, 0);
         for case in 0..cases {
             let mut random = random(1, Purpose::Whole, case);
             let mut values: Vec<f64> = (0..100).map(|_| normal(unit(random.next_u64()))).collect();
             let [low, high] = values.iter().copied().collect::<Moments>().mean_interval(0.9);
             mean += u32::from(low < 0.0 && 0.0 < high);
+            let [low, high] = values.iter().copied().take(3).collect::<Moments>().mean_interval(0.9);
+            of_three += u32::from(low < 0.0 && 0.0 < high);
             values.sort_by(f64::total_cmp);
             let [low, high] = quantile_interval(&values, 0.9, 0.9).unwrap();
             quantiles += u32::from(low < normal(0.9) && normal(0.9) < high);
         }
         // Four deviations of a count of 2000 with probability 0.9 are 54; order statistics cover more, by steps.
-        assert!((1746..=1854).contains(&mean), "{mean}");
+        assert!([mean, of_three].iter().all(|count| (1746..=1854).contains(count)), "{mean}, {of_three}");
         assert!((1746..=1940).contains(&quantiles), "{quantiles}");
     }
 }

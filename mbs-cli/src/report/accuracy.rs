@@ -40,9 +40,10 @@ pub(super) struct Kept {
 pub(super) fn motion(derivation: &Derivation, start: &Point, seconds: f64) -> Result<Motion, Failure> {
     let t = start.state.t;
     let times: Vec<f64> = (0..=ROWS).map(|i| t + seconds * i as f64 / ROWS as f64).collect();
+    let step = seconds / ROWS as f64;
     let settings = Settings {
         method: Method::Dop853,
-        accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step: seconds / ROWS as f64, most_steps: MOST_STEPS },
+        accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step, longest: step, most_steps: MOST_STEPS },
         drift: Drift::Projected,
         redundant_rows: RedundantRows::LeaveOut,
         held: vec![false; derivation.dof()],

@@ -124,9 +124,10 @@ function combine(out, base, h, row, slopes) {
 
 /** Steps with error control along `q̈ = acceleration(t, q, q̇)`. */
 export class Dop853 {
-  constructor(acceleration, t, q, qd, { rtol = 1e-10, atol = 1e-12, mostSteps = 50_000 } = {}) {
+  constructor(acceleration, t, q, qd, { rtol = 1e-10, atol = 1e-12, longest = Infinity, mostSteps = 50_000 } = {}) {
     const n = q.length;
-    Object.assign(this, { acceleration, t, rtol, atol, mostSteps, q: Array.from(q), qd: Array.from(qd), known: false });
+    Object.assign(this, { acceleration, t, rtol, atol, longest, mostSteps, known: false });
+    Object.assign(this, { q: Array.from(q), qd: Array.from(qd) });
     this.v = Array.from({ length: 16 }, () => zeros(n));
     this.a = Array.from({ length: 16 }, () => zeros(n));
     this.parts = null;
@@ -218,16 +219,16 @@ export class Dop853 {
       this.v[0] = this.qd.slice();
       if (!this.evaluate(this.t, this.q, 0)) throw new Error(`there is no finite acceleration at t = ${this.t} s`);
     }
-    this.length ??= this.firstStep(Math.abs(end - this.t));
+    this.length ??= this.firstStep(Math.min(Math.abs(end - this.t), this.longest));
     const old = { q: this.q, qd: this.qd };
     let rejected = false;
     for (;;) {
       const { accepted, rejected: refused } = this.summary;
       if (accepted + refused >= this.mostSteps) throw new Error(`${this.mostSteps} steps lead to t = ${this.t} s only`);
       const shortest = Math.max(16 * EPSILON * Math.abs(this.t), 2.2250738585072014e-308);
-      const length = Math.max(this.length, shortest);
+      const length = Math.max(Math.min(this.length, this.longest), shortest);
       const remaining = Math.abs(end - this.t);
-      const isLast = 1.01 * length >= remaining;
+      const isLast = 1.01 * length >= remaining && remaining <= (1 + 1e-9) * this.longest;
       const stop = isLast ? end : this.t + length;
       const taken = isLast ? remaining : length;
       const error = this.advance(this.t, stop - this.t, old);

@@ -78,7 +78,7 @@ export class Motion {
     try {
       state = this.onConstraints(this.start, state, false);
       const acceleration = (t, q, qd) => model.call("forward_dynamics", t, q, qd);
-      this.integrator = new Dop853(acceleration, this.start, state.q, state.qd, tolerances);
+      this.integrator = new Dop853(acceleration, this.start, state.q, state.qd, { longest: this.dt, ...tolerances });
     } catch (error) {
       this.error = error;
     }

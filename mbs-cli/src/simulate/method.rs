@@ -25,12 +25,14 @@ pub(crate) enum Method {
     SemiImplicitEuler,
 }
 
-/// What methods are told: tolerances those with error control, the step those without.
+/// What methods are told: tolerances and the longest step those with error control, the step those without.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Accuracy {
     pub(crate) relative: f64,
     pub(crate) absolute: f64,
     pub(crate) step: f64,
+    /// Those with error control see what comes and goes in no less time.
+    pub(crate) longest: f64,
     /// After how many steps those with error control give up.
     pub(crate) most_steps: usize,
 }
@@ -59,15 +61,15 @@ impl Method {
         events: &mut [Event<'_, Vec<f64>>],
         observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
     ) -> Result<Summary, IntegrationError<String>> {
-        let Accuracy { relative, absolute, step, most_steps } = accuracy;
+        let Accuracy { relative, absolute, step, longest, most_steps } = accuracy;
         let (f, y, e, o) = (accelerations, state, events, observer);
         match self {
             Method::Dop853 => {
-                let method = Dop853::new(relative, absolute).with_max_steps(most_steps);
+                let method = Dop853::new(relative, absolute).with_max_step(longest).with_max_steps(most_steps);
                 method.integrate_with_events(f, t, t_end, y, e, o)
             }
             Method::Dopri5 => {
-                let method = Dopri5::new(relative, absolute).with_max_steps(most_steps);
+                let method = Dopri5::new(relative, absolute).with_max_step(longest).with_max_steps(most_steps);
                 method.integrate_with_events(f, t, t_end, y, e, o)
             }
             Method::Rk4 => Rk4::new(step).integrate_with_events(f, t, t_end, y, e, o),

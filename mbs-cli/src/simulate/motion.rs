@@ -350,7 +350,13 @@ mod tests {
         let start = Point { state, accelerations_are_given: false, parameters: vec![1e-6, 1e-3, 0.02, 9.81] };
         let settings = Settings {
             method: Method::Dop853,
-            accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step: 1e-4, most_steps: 10_000 },
+            accuracy: Accuracy {
+                relative: 1e-10,
+                absolute: 1e-12,
+                step: 1e-4,
+                longest: f64::INFINITY,
+                most_steps: 10_000,
+            },
             drift: Drift::Projected,
             redundant_rows: RedundantRows::Refuse,
             held: vec![false; 7],

@@ -1,7 +1,8 @@
 //! What is taken of one motion: values at its end, extrema, means, and when a formula passes zero.
 //!
 //! Extrema are looked for at nine places of each step of the integrator, on its dense output, and then bracketed; means
-//! are Simpson's rule over these places. So both are as good as the motion itself, without an interval to choose.
+//! are Simpson's rule over these places, of halves and their halves where nine places are too few. What comes and goes
+//! between them is not seen.
 
 use mbs_derive::interpret::State;
 use mbs_derive::optimise::FunctionKind;
@@ -190,7 +191,7 @@ impl Onlooker for Gathering<'_, '_> {
             match self.wanted[number].reduction {
                 Max => self.tracks[number].greatest = self.peak(number, 1.0, values, &time, inside)?,
                 Min => self.tracks[number].least = 0.0 - self.peak(number, -1.0, values, &time, inside)?,
-                Mean => self.tracks[number].integral += simpson(values, to - from),
+                Mean => self.tracks[number].integral += self.integral(number, *values, [from, to], inside)?,
                 _ => {}
             }
         }
@@ -199,6 +200,43 @@ impl Onlooker for Gathering<'_, '_> {
 }
 
 impl Gathering<'_, '_> {
+    /// The integral of a quantity over a step of which these are values: adaptive, to a jump or a kink.
+    fn integral(
+        &mut self,
+        number: usize,
+        values: [f64; PARTS + 1],
+        [from, to]: [f64; 2],
+        inside: &mut Inside<'_>,
+    ) -> Result<f64, String> {
+        /// Of the largest value times the length of the step.
+        const TOLERANCE: f64 = 1e-7;
+        /// Halves of halves.
+        const DEEPEST: u32 = 24;
+        let size = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        let allowed = TOLERANCE * size * (to - from).abs();
+        let mut sum = 0.0;
+        let mut waiting = vec![(values, from, to, 0)];
+        while let Some((values, from, to, depth)) = waiting.pop() {
+            let fine = simpson(&values, to - from);
+            let every_other: [f64; PARTS / 2 + 1] = std::array::from_fn(|k| values[2 * k]);
+            if (fine - simpson(&every_other, to - from)).abs() <= allowed || depth == DEEPEST {
+                sum += fine;
+                continue;
+            }
+            let middle = from + 0.5 * (to - from);
+            for (from, to) in [(middle, to), (from, middle)] {
+                let mut values = [0.0; PARTS + 1];
+                for (k, value) in values.iter_mut().enumerate() {
+                    let t = if k == PARTS { to } else { from + (to - from) * k as f64 / PARTS as f64 };
+                    inside(t, &mut self.moving)?;
+                    *value = self.wanted[number].at(self.equations, t, &self.moving)?;
+                }
+                waiting.push((values, from, to, depth + 1));
+            }
+        }
+        Ok(sum)
+    }
+
     /// The greatest value of a quantity, or of its negative, so far and in this step.
     fn peak(
         &mut self,
@@ -245,13 +283,14 @@ impl Gathering<'_, '_> {
     }
 }
 
-/// The integral over values that are equally far apart.
-fn simpson(values: &[f64; PARTS + 1], width: f64) -> f64 {
+/// The integral over values that are equally far apart, an odd number of them.
+fn simpson(values: &[f64], width: f64) -> f64 {
+    let parts = values.len() - 1;
     let weight = |k: usize| match k {
-        0 | PARTS => 1.0,
+        k if k == 0 || k == parts => 1.0,
         k if k % 2 == 1 => 4.0,
         _ => 2.0,
     };
     let sum: f64 = values.iter().enumerate().map(|(k, value)| weight(k) * value).sum();
-    sum * width / (3.0 * PARTS as f64)
+    sum * width / (3.0 * parts as f64)
 }

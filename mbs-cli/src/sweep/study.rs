@@ -420,13 +420,15 @@ impl Reading<'_> {
                 .map_err(|_| self.unknown_word::<Redundant>("way with redundant constraints", name))?,
         };
         let step = motion.step.as_ref().map(|step| self.positive(step, "s")).transpose()?;
+        let longest = motion.max_step.as_ref().map(|step| self.positive(step, "s")).transpose()?;
         let has_control = method.has_error_control();
-        let idle = [(&motion.relative, "rtol"), (&motion.absolute, "atol")];
-        if let (Some((value, name)), false) =
-            (idle.iter().find_map(|(value, name)| Some((value.as_ref()?, name))), has_control)
-        {
+        let span = |value: &Option<Located<f64>>| value.as_ref().map(|value| value.span.clone());
+        let longest_span = motion.max_step.as_ref().map(|step| step.span.clone());
+        let idle = [(span(&motion.relative), "rtol"), (span(&motion.absolute), "atol"), (longest_span, "max_step")];
+        let idle = idle.into_iter().find_map(|(span, name)| Some((span?, name)));
+        if let Some((span, name)) = idle.filter(|_| !has_control) {
             let message = format!("the method has no error control, `{name}` does nothing");
-            return Err(self.text.fault(Fault::new(value.span.clone(), message)));
+            return Err(self.text.fault(Fault::new(span, message)));
         }
         if let (Some(step), true) = (&motion.step, has_control) {
             let fault = Fault::new(step.span.clone(), "the method chooses its steps itself, `step` does nothing");
@@ -438,6 +440,7 @@ impl Reading<'_> {
                 relative: motion.relative.as_ref().map_or(1e-10, |value| value.value),
                 absolute: motion.absolute.as_ref().map_or(1e-12, |value| value.value),
                 step: step.unwrap_or(duration / 1000.0),
+                longest: longest.unwrap_or(duration / 100.0),
                 most_steps: MOST_STEPS,
             },
             drift: Drift::Projected,

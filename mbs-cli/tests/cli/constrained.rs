@@ -279,7 +279,7 @@ fn what_does_not_close_is_refused() {
 fn redundant_rows_are_named_or_share_their_force() {
     let workshop = workshop();
     let state = r#"{"q": [1, 1, 1, 0.7701511529340698, 0.42073549240394825, 0]}"#;
-    let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "0.5"];
+    let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "0.4"];
     let report = workshop.bad(&run);
     assert!(report.starts_with("error: constraint `"), "{report}");
     assert!(report.contains("depends on the others, at t = 0.0, q = [1.0, 1.0, 1.0, 0.77"), "{report}");
@@ -288,7 +288,7 @@ fn redundant_rows_are_named_or_share_their_force() {
     let one = "mechanism One { param l: m = 0.5; param m: kg = 2; param g: m/s^2 = 9.81; coord a: rad; \
                kinetic += 1/2*3/2*m*l^2*dt(a)^2; potential += m*g*l*sin(a); }";
     workshop.write("one.mbs", one);
-    let expected = last(&workshop.good(&["simulate", "one.mbs", "--state", r#"{"q": [1]}"#, "--t-end", "0.5"]));
+    let expected = last(&workshop.good(&["simulate", "one.mbs", "--state", r#"{"q": [1]}"#, "--t-end", "0.4"]));
     for (name, value) in [("a_0", expected("a")), ("a_1", expected("a")), ("a_2", expected("a")), ("phi", 0.0)] {
         assert!((end(name) - value).abs() < 1e-9, "{name}: {} {value}", end(name));
     }

@@ -55,7 +55,8 @@ fn rk4_steps_by_dt() {
 fn tolerances_are_heeded() {
     let workshop = Workshop::new();
     let last = |tolerances: &[&str]| {
-        let all = [&["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "20"], tolerances].concat();
+        let all =
+            [&["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "20", "--dt", "2"], tolerances].concat();
         let csv = workshop.good(&all);
         (table(&csv).1.last().unwrap()[1] - chain_at(20.0)[0]).abs()
     };
@@ -162,5 +163,25 @@ fn rk4_has_no_tolerances() {
     let workshop = Workshop::new();
     let run = ["simulate", "chain.mbs", "--state", CHAIN_START, "--t-end", "1", "--method", "rk4", "--rtol", "1e-3"];
     let Outcome { code, stderr, .. } = workshop.mbs(&run);
-    assert_eq!((code, stderr.as_str()), (0, "warning: rk4 has no error control, --rtol and --atol do nothing\n"));
+    assert_eq!(
+        (code, stderr.as_str()),
+        (0, "warning: rk4 has no error control, --rtol, --atol and --max-step do nothing\n")
+    );
+}
+
+/// A push of one second out of ten, on a mass of 2 that is at rest; it is stepped over where that is allowed.
+#[test]
+fn short_pushes_are_not_stepped_over() {
+    let workshop = Workshop::new();
+    workshop.write("sled.mbs", "mechanism Sled { coord x: m; input f: N; kinetic += 1 kg*dt(x)^2; force x += f; }");
+    let speed = |more: &[&str]| {
+        let push = "f=if t > 5.2 && t < 6.2 { 1 } else { 0 }";
+        let all = ["simulate", "sled.mbs", "--state", "{\"q\": [0]}", "--t-end", "10", "--input", push];
+        let csv = workshop.good(&[&all, more].concat());
+        table(&csv).1.last().unwrap()[2]
+    };
+    for options in [&[][..], &["--dt", "0.5"], &["--method", "dopri5"], &["--dt", "10", "--max-step", "0.1"]] {
+        assert!((speed(options) - 0.5).abs() < 1e-8, "{options:?}: {}", speed(options));
+    }
+    assert_eq!(speed(&["--max-step", "10"]), 0.0);
 }

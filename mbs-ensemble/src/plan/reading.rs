@@ -276,6 +276,7 @@ impl Reader {
         let relative = section.get("rtol").and_then(|value| self.positive(value));
         let absolute = section.get("atol").and_then(|value| self.positive(value));
         let step = section.get("step").and_then(|value| self.amount(value));
+        let max_step = section.get("max_step").and_then(|value| self.amount(value));
         let redundant = section.get("redundant").and_then(|value| self.text(value));
         let until = section.get("until").and_then(|value| self.crossing(value));
         let span = section.span.clone();
@@ -284,7 +285,7 @@ impl Reader {
         if is_missing {
             return self.fault(Fault::with_help(span, "`duration` is missing", "`duration = \"10 s\"`, for example"));
         }
-        Some(Motion { duration: duration?, method, relative, absolute, step, redundant, until })
+        Some(Motion { duration: duration?, method, relative, absolute, step, max_step, redundant, until })
     }
 
     /// `{ zero = "height", direction = "falling" }`, or the formula alone.
