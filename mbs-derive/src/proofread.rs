@@ -6,7 +6,7 @@
 //!
 //! - `numbering`: what is one value;
 //! - `meaning`: what expressions mean, and what functions are to return;
-//! - `reader`: Rust, as far as it is emitted, read as meanings;
+//! - `rust`: Rust, as far as it is emitted, as a tree; `reader`: its meaning;
 //! - `frame`: what stands around functions: types, traits, constants;
 //! - `foreign`: the other languages, by one reader.
 
@@ -15,11 +15,14 @@ mod frame;
 mod meaning;
 mod numbering;
 mod reader;
+mod reading;
+mod rust;
 #[cfg(test)]
 mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use quote::ToTokens;
 use syn::{ImplItem, Item, ItemImpl};
 
 use crate::emit::{self, Language, Options};
@@ -27,9 +30,12 @@ use crate::expr::{Elimination, Number as Constant};
 use crate::optimise::{Argument, Derivation, Function, FunctionKind};
 use crate::verify::Failure;
 
+use frame::{compact, path_of};
 use meaning::{Expectation, Meaning, nested};
 use numbering::Numbering;
-use reader::{Method, Module, Reader, Reading, compact, path_of};
+use reader::{Method, Module, Reader};
+use reading::Reading;
+use rust::Block;
 
 impl Derivation {
     /// Reads emitted code again, and compares each function with its Program.
@@ -54,7 +60,8 @@ impl Derivation {
         if language != Language::Rust {
             return foreign::proofread(self, language, options, code);
         }
-        let file = syn::parse_file(code).map_err(|error| misprint("module", error.to_string()))?;
+        let cut = rust::cut(code).map_err(|what| misprint("module", what))?;
+        let file = syn::parse_file(&cut.module).map_err(|error| misprint("module", error.to_string()))?;
         let [Item::Mod(module)] = file.items.as_slice() else {
             return Err(misprint("module", "the text is not one module".to_string()));
         };
@@ -62,7 +69,7 @@ impl Derivation {
             return Err(misprint("module", format!("`{}` is not its name", module.ident)));
         }
         let items = module.content.as_ref().map_or(&[][..], |(_, items)| items);
-        Proofreader::new(self, options).module(items)
+        Proofreader::new(self, options, &cut.bodies).module(items)
     }
 
     /// Reads the header of an interface again, and what is to follow it. Its forward dynamics is compared with the
@@ -104,6 +111,8 @@ struct Bodies<'t> {
 struct Proofreader<'d> {
     derivation: &'d Derivation,
     options: &'d Options,
+    /// The texts of functions' bodies.
+    bodies: &'d [&'d str],
     numbering: Numbering,
     expectation: Expectation<'d>,
     module: Module,
@@ -112,11 +121,11 @@ struct Proofreader<'d> {
 }
 
 impl<'d> Proofreader<'d> {
-    fn new(derivation: &'d Derivation, options: &'d Options) -> Self {
+    fn new(derivation: &'d Derivation, options: &'d Options, bodies: &'d [&'d str]) -> Self {
         let mut numbering = Numbering::default();
         let expectation = Expectation::new(derivation, &mut numbering);
         let module = Module { trigonometry: options.trigonometry, ..Module::default() };
-        Proofreader { derivation, options, numbering, expectation, module, fields: Vec::new() }
+        Proofreader { derivation, options, bodies, numbering, expectation, module, fields: Vec::new() }
     }
 
     fn module(mut self, items: &[Item]) -> Result<(), Failure> {
@@ -191,7 +200,8 @@ impl<'d> Proofreader<'d> {
             if matches!(&*table.ty, syn::Type::Array(_)) {
                 continue;
             }
-            let value = Reader::new(&self.module, &mut self.numbering, []).value(&table.expr)?;
+            let text = table.expr.to_token_stream().to_string();
+            let value = Reader::new(&self.module, &mut self.numbering, []).value(&rust::expression(&text)?)?;
             if table.ident == "ELIMINATION" {
                 self.elimination(table, &value)?;
                 self.module.constants.insert(table.ident.to_string(), value);
@@ -236,7 +246,8 @@ impl<'d> Proofreader<'d> {
     /// The declared values of the parameters.
     fn default(&mut self, default: Option<&syn::ImplItemFn>) -> Reading<()> {
         let default = default.ok_or("it is missing")?;
-        let found = Reader::new(&self.module, &mut self.numbering, []).block(&default.block)?;
+        let body = self.body_of(default)?;
+        let found = Reader::new(&self.module, &mut self.numbering, []).block(&body)?;
         let mut fields = Vec::new();
         for (parameter, field) in self.derivation.parameters.iter().zip(&self.fields) {
             let constants = parameter.defaults.iter().copied().map(Constant::to_f64);
@@ -253,8 +264,9 @@ impl<'d> Proofreader<'d> {
     /// What is required of the parameters.
     fn check(&mut self, check: Option<&syn::ImplItemFn>, parameters: &Meaning) -> Reading<()> {
         let check = check.ok_or("it is missing")?;
+        let body = self.body_of(check)?;
         let mut reader = Reader::new(&self.module, &mut self.numbering, [("self", parameters.clone())]);
-        let result = reader.block(&check.block)?;
+        let result = reader.block(&body)?;
         let found = reader.required;
         self.compare(&result, &Meaning::Tuple([].into()))?;
         let expected = self.requirements();
@@ -292,8 +304,9 @@ impl<'d> Proofreader<'d> {
         fields: &[syn::Ident],
     ) -> Reading<Meaning> {
         let new = new.filter(|new| new.sig.ident == "new").ok_or("it is missing")?;
+        let body = self.body_of(new)?;
         let mut reader = Reader::new(&self.module, &mut self.numbering, [("params", parameters.clone())]);
-        let found = reader.block(&new.block)?;
+        let found = reader.block(&body)?;
         match &found {
             Meaning::Record(path, made)
                 if path == "Self"
@@ -388,11 +401,18 @@ impl<'d> Proofreader<'d> {
     fn body(&mut self, function: &Function, method: &syn::ImplItemFn, itself: &Meaning) -> Reading<Meaning> {
         let arguments = self.expectation.arguments(function, &mut self.numbering);
         let bound = [("self", itself.clone())].into_iter().chain(arguments);
+        let body = self.body_of(method)?;
         let mut reader = Reader::new(&self.module, &mut self.numbering, bound);
         match method.sig.output {
-            syn::ReturnType::Default => reader.written(&method.block, "result", meaning::unwritten(function)),
-            syn::ReturnType::Type(..) => reader.block(&method.block),
+            syn::ReturnType::Default => reader.written(&body, "result", meaning::unwritten(function)),
+            syn::ReturnType::Type(..) => reader.block(&body),
         }
+    }
+
+    /// What stands in a function.
+    fn body_of(&self, function: &syn::ImplItemFn) -> Reading<Block<'d>> {
+        let text = rust::body_of(&function.block).and_then(|number| self.bodies.get(number));
+        rust::block(text.ok_or("it has no body")?)
     }
 
     fn compare(&self, found: &Meaning, expected: &Meaning) -> Reading<()> {

@@ -31,7 +31,7 @@ use crate::verify::Failure;
 
 use super::misprint;
 use super::numbering::Numbering;
-use super::reader::Reading;
+use super::reading::Reading;
 use dialect::{Dialect, Family};
 use expression::Reader;
 use sheet::Sheet;

@@ -14,7 +14,8 @@ use crate::shape::{Shape, is_large};
 use crate::variable::{Variable, component_names, count};
 
 use super::Proofreader;
-use super::reader::{Reading, compact, path_of};
+use super::reading::Reading;
+use super::rust::body_of;
 
 /// Whether an identifier is how a name is written: as it is; where that cannot be or is taken, with something behind.
 pub(super) fn spells(identifier: &str, name: &str, is_taken: bool) -> bool {
@@ -127,20 +128,13 @@ fn indices_of(items: &[Item]) -> Reading<[Vec<Ident>; 2]> {
     Ok([of("coordinate")?, of("input")?])
 }
 
-/// An item without its attributes and without bodies that have arithmetic in them; `None` of a table.
+/// An item without its attributes and without the names of bodies that were cut; `None` of a table.
 fn without_bodies(item: &Item) -> Option<Item> {
     let mut item = match item {
         Item::Const(table) if !matches!(&*table.ty, syn::Type::Array(_)) => return None,
         Item::Impl(block) => {
-            let of_trait = block.trait_.as_ref().map(|(path, _)| path_of(path));
-            let is_of_parameters = matches!(&*block.self_ty, syn::Type::Path(of) if path_of(&of.path) == "Params");
-            let has_arithmetic = |function: &ImplItemFn| match of_trait.as_deref() {
-                None => function.sig.ident != "try_new" && function.sig.ident != "params",
-                Some("core::default::Default") => is_of_parameters,
-                Some(_) => false,
-            };
             let stripped = |item: &ImplItem| match item {
-                ImplItem::Fn(function) if has_arithmetic(function) => ImplItem::Fn(ImplItemFn {
+                ImplItem::Fn(function) if body_of(&function.block).is_some() => ImplItem::Fn(ImplItemFn {
                     attrs: Vec::new(),
                     vis: function.vis.clone(),
                     modifiers: function.modifiers.clone(),
@@ -468,6 +462,17 @@ fn indices(module: &str, identifiers: &[Ident], variables: &[Variable]) -> Token
     });
     let module = identifier(module);
     quote!(pub mod #module { #(#constants)* })
+}
+
+/// `mbs_runtime::Pose`, without arguments of types.
+pub(super) fn path_of(path: &syn::Path) -> String {
+    let names: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+    names.join("::")
+}
+
+/// Tokens without spaces.
+pub(super) fn compact(what: &impl ToTokens) -> String {
+    what.to_token_stream().to_string().split_whitespace().collect()
 }
 
 fn identifier(name: &str) -> Ident {

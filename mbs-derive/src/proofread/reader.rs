@@ -7,16 +7,12 @@ mod assignment;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
-use quote::ToTokens;
-use syn::{BinOp, Block, Expr, Item, Lit, Member, Pat, PatType, StaticMutability, Stmt, UnOp};
-
 use crate::expr::{Binary, Function, Trigonometry};
 
 use super::meaning::Meaning;
 use super::numbering::{Number, Numbering};
-
-/// What is wrong with a text.
-pub(super) type Reading<T> = Result<T, String>;
+use super::reading::{Reading, cannot_read, unknown};
+use super::rust::{Block, Expression, ExpressionKind, Pattern, PatternKind, Statement, compact};
 
 /// A function of the mechanism that others may call.
 pub(super) struct Method {
@@ -69,14 +65,10 @@ impl<'r> Reader<'r> {
     // ---- statements
 
     /// The value of a block.
-    pub(super) fn block(&mut self, block: &Block) -> Reading<Meaning> {
+    pub(super) fn block(&mut self, block: &Block<'_>) -> Reading<Meaning> {
         self.within(|reader| {
-            let (last, statements) = match block.stmts.split_last() {
-                Some((Stmt::Expr(last, None), statements)) if !is_statement(last) => (Some(last), statements),
-                _ => (None, block.stmts.as_slice()),
-            };
-            statements.iter().try_for_each(|statement| reader.statement(statement))?;
-            last.map_or(Ok(Meaning::Tuple(Rc::new([]))), |last| reader.value(last))
+            block.statements.iter().try_for_each(|statement| reader.statement(statement))?;
+            block.value.as_ref().map_or(Ok(Meaning::Tuple(Rc::new([]))), |last| reader.value(last))
         })
     }
 
@@ -93,60 +85,52 @@ impl<'r> Reader<'r> {
         Ok(value)
     }
 
-    fn statement(&mut self, statement: &Stmt) -> Reading<()> {
+    fn statement(&mut self, statement: &Statement<'_>) -> Reading<()> {
         match statement {
-            Stmt::Local(local) => match (&local.init, &local.pat) {
-                (Some(init), Pat::Ident(name)) if init.diverge.is_none() && is_changed_later(name) => {
-                    let value = self.value(&init.expr)?;
-                    self.define(name.ident.to_string(), Some(value));
-                    Ok(())
-                }
-                (Some(init), pattern) if init.diverge.is_none() => {
-                    let value = self.value(&init.expr)?;
-                    self.bind(pattern, value)
-                }
-                (None, Pat::Type(declared)) => self.declare(declared),
-                _ => unknown(statement),
-            },
-            Stmt::Expr(Expr::Block(inner), _) if inner.label.is_none() => self.block(&inner.block).and_then(nothing),
-            Stmt::Expr(Expr::Assign(assignment), Some(_)) => {
-                let value = self.value(&assignment.right)?;
-                self.assign(&assignment.left, value)
+            Statement::Let(Pattern { kind: PatternKind::Name(name, true), .. }, value)
+            | Statement::Static(name, value) => {
+                let value = self.value(value)?;
+                self.define(name.to_string(), Some(value));
+                Ok(())
             }
-            Stmt::Expr(Expr::ForLoop(each), _) if each.label.is_none() => {
-                let Meaning::List(entries) = self.value(&each.expr)? else { return unknown(&each.expr) };
+            Statement::Let(pattern, value) => {
+                let value = self.value(value)?;
+                self.bind(pattern, value)
+            }
+            Statement::Declare(pattern, declared) => self.declare(pattern, declared),
+            Statement::Block(inner) => self.block(inner).and_then(nothing),
+            Statement::Assign(place, value) => {
+                let value = self.value(value)?;
+                self.assign(place, value)
+            }
+            Statement::For(pattern, values, body) => {
+                let Meaning::List(entries) = self.value(values)? else { return unknown(values.text) };
                 for entry in entries.iter() {
                     self.within(|reader| {
-                        reader.bind(&each.pat, entry.clone())?;
-                        reader.block(&each.body).and_then(nothing)
+                        reader.bind(pattern, entry.clone())?;
+                        reader.block(body).and_then(nothing)
                     })?;
                 }
                 Ok(())
             }
-            Stmt::Expr(Expr::Try(tried), Some(_)) => {
-                let required = self.value(&tried.expr)?;
+            Statement::Try(tried) => {
+                let required = self.value(tried)?;
                 self.required.push(required);
                 Ok(())
             }
-            Stmt::Item(Item::Static(table)) if matches!(table.mutability, StaticMutability::None) => {
-                let value = self.value(&table.expr)?;
-                self.define(table.ident.to_string(), Some(value));
-                Ok(())
-            }
-            Stmt::Expr(..) | Stmt::Item(_) | Stmt::Macro(_) => unknown(statement),
         }
     }
 
     /// `let [a, b]: [T; 2];`
-    fn declare(&mut self, declared: &PatType) -> Reading<()> {
-        let Pat::Slice(slice) = &*declared.pat else { return unknown(declared) };
-        if compact(&declared.ty) != format!("[T;{}]", slice.elems.len()) {
+    fn declare(&mut self, pattern: &Pattern<'_>, declared: &str) -> Reading<()> {
+        let PatternKind::List(elements, false) = &pattern.kind else { return unknown(pattern.text) };
+        if compact(declared) != format!("[T;{}]", elements.len()) {
             return unknown(declared);
         }
-        for element in &slice.elems {
-            match element {
-                Pat::Ident(name) if is_plain(name) => self.define(name.ident.to_string(), None),
-                other => return unknown(other),
+        for element in elements {
+            match element.kind {
+                PatternKind::Name(name, false) => self.define(name.to_string(), None),
+                _ => return unknown(element.text),
             }
         }
         Ok(())
@@ -159,7 +143,7 @@ impl<'r> Reader<'r> {
     }
 
     /// Reads a block that writes to storage of the caller, of this name and with nothing written; what is there then.
-    pub(super) fn written(&mut self, block: &Block, name: &str, unwritten: Meaning) -> Reading<Meaning> {
+    pub(super) fn written(&mut self, block: &Block<'_>, name: &str, unwritten: Meaning) -> Reading<Meaning> {
         let local = self.locals.len();
         self.define(name.to_string(), Some(unwritten));
         self.storage = Some(local);
@@ -168,42 +152,38 @@ impl<'r> Reader<'r> {
     }
 
     /// Gives the names of a pattern their meaning.
-    fn bind(&mut self, pattern: &Pat, meaning: Meaning) -> Reading<()> {
-        match (pattern, meaning) {
-            (Pat::Wild(_), _) => Ok(()),
-            (Pat::Ident(name), meaning) if is_plain(name) => {
-                self.define(name.ident.to_string(), Some(meaning));
+    fn bind(&mut self, pattern: &Pattern<'_>, meaning: Meaning) -> Reading<()> {
+        match (&pattern.kind, meaning) {
+            (PatternKind::Wild, _) => Ok(()),
+            (PatternKind::Name(name, false), meaning) => {
+                self.define(name.to_string(), Some(meaning));
                 Ok(())
             }
-            (Pat::Type(typed), meaning @ Meaning::Closure(_)) if compact(&typed.ty) == "&dynFn()->T" => {
-                self.bind(&typed.pat, meaning)
+            (PatternKind::Typed(typed, of), meaning @ Meaning::Closure(_)) if compact(of) == "&dynFn()->T" => {
+                self.bind(typed, meaning)
             }
-            (Pat::Slice(slice), meaning) => {
-                let rest = slice.elems.last().is_some_and(|last| matches!(last, Pat::Rest(_)));
-                let count = slice.elems.len() - usize::from(rest);
+            (PatternKind::List(elements, rest), meaning) => {
+                let count = elements.len();
                 let values = match meaning {
-                    Meaning::List(values) if rest && values.len() >= count => {
-                        values.iter().take(count).cloned().collect()
-                    }
+                    Meaning::List(values) if *rest && values.len() >= count => values[..count].to_vec(),
                     meaning if !rest => self.entries(meaning, count)?,
-                    _ => return unknown(pattern),
+                    _ => return unknown(pattern.text),
                 };
-                slice.elems.iter().zip(values).try_for_each(|(element, value)| self.bind(element, value))
+                elements.iter().zip(values).try_for_each(|(element, value)| self.bind(element, value))
             }
-            (Pat::Tuple(tuple), Meaning::Tuple(values)) if tuple.elems.len() == values.len() => {
-                tuple.elems.iter().zip(values.iter()).try_for_each(|(element, value)| self.bind(element, value.clone()))
+            (PatternKind::Tuple(elements), Meaning::Tuple(values)) if elements.len() == values.len() => {
+                elements.iter().zip(values.iter()).try_for_each(|(element, value)| self.bind(element, value.clone()))
             }
-            (Pat::Struct(record), Meaning::Record(path, fields)) if path_of(&record.path) == path => {
-                if record.rest.is_none() && record.fields.len() != fields.len() {
+            (PatternKind::Record(own, read, rest), Meaning::Record(path, fields)) if *own == path => {
+                if !rest && read.len() != fields.len() {
                     return Err(format!("not all fields of `{path}` are read"));
                 }
-                record.fields.iter().try_for_each(|field| {
-                    let name = member(&field.member);
-                    let value = fields.get(&name).ok_or_else(|| format!("`{path}` has no field `{name}`"))?;
-                    self.bind(&field.pat, value.clone())
+                read.iter().try_for_each(|(name, element)| {
+                    let value = fields.get(*name).ok_or_else(|| format!("`{path}` has no field `{name}`"))?;
+                    self.bind(element, value.clone())
                 })
             }
-            _ => unknown(pattern),
+            _ => unknown(pattern.text),
         }
     }
 
@@ -221,156 +201,145 @@ impl<'r> Reader<'r> {
     // ---- expressions
 
     /// The meaning of an expression.
-    pub(super) fn value(&mut self, expression: &Expr) -> Reading<Meaning> {
-        match expression {
-            Expr::Paren(inner) => self.value(&inner.expr),
-            Expr::Reference(inner) if inner.mutability.is_none() => self.value(&inner.expr),
-            Expr::Block(inner) if inner.label.is_none() => self.block(&inner.block),
-            Expr::Lit(literal) => match &literal.lit {
-                Lit::Float(value) if value.suffix().is_empty() => {
-                    value.base10_parse().map(Meaning::Literal).map_err(|_| cannot_read(expression))
+    pub(super) fn value(&mut self, expression: &Expression<'_>) -> Reading<Meaning> {
+        match &expression.kind {
+            ExpressionKind::Same(inner) => self.value(inner),
+            ExpressionKind::Block(inner) => self.block(inner),
+            ExpressionKind::Float(value) => Ok(Meaning::Literal(*value)),
+            ExpressionKind::Integer(value) => Ok(Meaning::Integer(*value)),
+            ExpressionKind::Text(text) => Ok(Meaning::Text(text.clone())),
+            ExpressionKind::Path(path) => self.path(path),
+            ExpressionKind::Unary(sign, operand) => self.unary(*sign, operand, expression.text),
+            ExpressionKind::Range(ends) => match (self.value(&ends[0])?, self.value(&ends[1])?) {
+                (Meaning::Integer(start), Meaning::Integer(end)) => {
+                    Ok(Meaning::list((start..end).map(Meaning::Integer)))
                 }
-                Lit::Int(value) if value.suffix().is_empty() => {
-                    value.base10_parse().map(Meaning::Integer).map_err(|_| cannot_read(expression))
-                }
-                Lit::Str(text) => Ok(Meaning::Text(text.value())),
-                _ => unknown(expression),
+                _ => unknown(expression.text),
             },
-            Expr::Path(path) if path.qself.is_none() => self.path(&path.path),
-            Expr::Unary(unary) => self.unary(unary),
-            Expr::Range(range) if matches!(range.limits, syn::RangeLimits::HalfOpen(_)) => {
-                let (Some(start), Some(end)) = (&range.start, &range.end) else { return unknown(expression) };
-                match (self.value(start)?, self.value(end)?) {
-                    (Meaning::Integer(start), Meaning::Integer(end)) => {
-                        Ok(Meaning::list((start..end).map(Meaning::Integer)))
-                    }
-                    _ => unknown(expression),
+            ExpressionKind::Binary(sign, operands) if self.is_integer(&operands[0]) => {
+                match (self.value(&operands[0])?, sign, self.value(&operands[1])?) {
+                    (Meaning::Integer(a), '+', Meaning::Integer(b)) => Ok(Meaning::Integer(a + b)),
+                    (Meaning::Integer(a), '-', Meaning::Integer(b)) if b <= a => Ok(Meaning::Integer(a - b)),
+                    (Meaning::Integer(a), '/', Meaning::Integer(b @ 1..)) => Ok(Meaning::Integer(a / b)),
+                    _ => unknown(expression.text),
                 }
             }
-            Expr::Binary(binary) if self.is_integer(&binary.left) => {
-                match (self.value(&binary.left)?, &binary.op, self.value(&binary.right)?) {
-                    (Meaning::Integer(a), BinOp::Add(_), Meaning::Integer(b)) => Ok(Meaning::Integer(a + b)),
-                    (Meaning::Integer(a), BinOp::Sub(_), Meaning::Integer(b)) if b <= a => Ok(Meaning::Integer(a - b)),
-                    (Meaning::Integer(a), BinOp::Div(_), Meaning::Integer(b @ 1..)) => Ok(Meaning::Integer(a / b)),
-                    _ => unknown(expression),
-                }
-            }
-            Expr::Binary(binary) => {
-                let [a, b] = [self.number(&binary.left)?, self.number(&binary.right)?];
-                Ok(Meaning::Number(match binary.op {
-                    BinOp::Add(_) => self.numbering.sum(a, b),
-                    BinOp::Sub(_) => self.numbering.sum(a, b.opposite()),
-                    BinOp::Mul(_) => self.numbering.product(a, b),
-                    BinOp::Div(_) => self.numbering.quotient(a, b),
-                    BinOp::BitAnd(_) => self.numbering.and(a, b),
-                    _ => return unknown(expression),
+            ExpressionKind::Binary(sign, operands) => {
+                let [a, b] = [self.number(&operands[0])?, self.number(&operands[1])?];
+                Ok(Meaning::Number(match sign {
+                    '+' => self.numbering.sum(a, b),
+                    '-' => self.numbering.sum(a, b.opposite()),
+                    '*' => self.numbering.product(a, b),
+                    '/' => self.numbering.quotient(a, b),
+                    '&' => self.numbering.and(a, b),
+                    _ => return unknown(expression.text),
                 }))
             }
-            Expr::Array(array) => self.values(&array.elems).map(Meaning::list),
-            Expr::Tuple(tuple) => self.values(&tuple.elems).map(|parts| Meaning::Tuple(parts.into())),
-            Expr::Repeat(repeat) => {
-                let Meaning::Integer(count) = self.value(&repeat.len)? else { return unknown(expression) };
-                let value = self.value(&repeat.expr)?;
+            ExpressionKind::Array(entries) => self.values(entries).map(Meaning::list),
+            ExpressionKind::Tuple(parts) => self.values(parts).map(|parts| Meaning::Tuple(parts.into())),
+            ExpressionKind::Repeat(parts) => {
+                let Meaning::Integer(count) = self.value(&parts[1])? else { return unknown(expression.text) };
+                let value = self.value(&parts[0])?;
                 Ok(Meaning::list(vec![value; count]))
             }
-            Expr::Struct(record) if record.rest.is_none() && record.qself.is_none() => {
+            ExpressionKind::Record(path, given) => {
                 let mut fields = BTreeMap::new();
-                for field in &record.fields {
-                    fields.insert(member(&field.member), self.value(&field.expr)?);
+                for (name, value) in given {
+                    fields.insert(name.to_string(), self.value(value)?);
                 }
-                Ok(Meaning::Record(path_of(&record.path), Rc::new(fields)))
+                Ok(Meaning::Record(path.clone(), Rc::new(fields)))
             }
-            Expr::Field(field) => {
-                let (of, name) = (self.value(&field.base)?, member(&field.member));
+            ExpressionKind::Field(of, name) => {
+                let of = self.value(of)?;
                 let found = match &of {
-                    Meaning::Record(_, fields) => fields.get(&name),
+                    Meaning::Record(_, fields) => fields.get(*name),
                     Meaning::Tuple(parts) => name.parse().ok().and_then(|i: usize| parts.get(i)),
                     _ => None,
                 };
                 found.cloned().ok_or_else(|| format!("there is no field `{name}`"))
             }
-            Expr::Index(index) => match (self.value(&index.expr)?, self.value(&index.index)?) {
+            ExpressionKind::Index(parts) => match (self.value(&parts[0])?, self.value(&parts[1])?) {
                 (Meaning::List(entries), Meaning::Integer(i)) if i < entries.len() => Ok(entries[i].clone()),
-                _ => unknown(expression),
+                _ => unknown(expression.text),
             },
-            Expr::Closure(closure) if closure.inputs.is_empty() => {
+            ExpressionKind::Closure(body) => {
                 let outer = std::mem::replace(&mut self.outer, self.locals.len());
-                let value = self.value(&closure.body)?;
+                let value = self.value(body)?;
                 self.outer = outer;
                 Ok(Meaning::Closure(Rc::new(value)))
             }
-            Expr::Call(call) => self.call(call),
-            Expr::MethodCall(call) if call.turbofish.is_none() => self.method(call),
-            _ => unknown(expression),
+            ExpressionKind::Call(function, arguments) => self.call(function, arguments, expression.text),
+            ExpressionKind::Method(receiver, name, arguments) => {
+                self.method(receiver, name, arguments, expression.text)
+            }
+            ExpressionKind::Wild | ExpressionKind::Function => unknown(expression.text),
         }
     }
 
     /// Whether it is a name that stands for an index, or begins with one.
-    fn is_integer(&self, expression: &Expr) -> bool {
-        let path = match expression {
-            Expr::Path(path) => path,
-            Expr::Paren(inner) => return self.is_integer(&inner.expr),
-            Expr::Binary(binary) => return self.is_integer(&binary.left),
-            _ => return false,
-        };
-        let local = path.path.get_ident().and_then(|name| self.names.get(&name.to_string()));
-        local.is_some_and(|&local| matches!(self.locals[local], Some(Meaning::Integer(_))))
+    fn is_integer(&self, expression: &Expression<'_>) -> bool {
+        match &expression.kind {
+            ExpressionKind::Path(path) => {
+                let local = self.names.get(path);
+                local.is_some_and(|&local| matches!(self.locals[local], Some(Meaning::Integer(_))))
+            }
+            ExpressionKind::Same(inner) => self.is_integer(inner),
+            ExpressionKind::Binary(_, operands) => self.is_integer(&operands[0]),
+            _ => false,
+        }
     }
 
-    fn values<'e>(&mut self, expressions: impl IntoIterator<Item = &'e Expr>) -> Reading<Vec<Meaning>> {
-        expressions.into_iter().map(|expression| self.value(expression)).collect()
+    fn values(&mut self, expressions: &[Expression<'_>]) -> Reading<Vec<Meaning>> {
+        expressions.iter().map(|expression| self.value(expression)).collect()
     }
 
-    fn number(&mut self, expression: &Expr) -> Reading<Number> {
+    fn number(&mut self, expression: &Expression<'_>) -> Reading<Number> {
         match self.value(expression)? {
             Meaning::Number(number) => Ok(number),
             other => Err(format!("{} stands for a number", other.shown(self.numbering))),
         }
     }
 
-    fn path(&mut self, path: &syn::Path) -> Reading<Meaning> {
-        let name = path_of(path);
-        if let Some(&local) = self.names.get(&name) {
+    fn path(&mut self, name: &str) -> Reading<Meaning> {
+        if let Some(&local) = self.names.get(name) {
             if Some(local) == self.storage {
                 return Err(format!("`{name}` is read"));
             }
             let known = self.locals[local].clone();
             return known.ok_or_else(|| format!("`{name}` is read before it has a value"));
         }
-        match name.as_str() {
+        match name {
             "T::from_f64" => Ok(Meaning::FromF64),
             "core::f64::consts::PI" => Ok(Meaning::Literal(std::f64::consts::PI)),
-            _ if name.starts_with("mbs_runtime::") || name.starts_with("core::") => Ok(Meaning::Path(name)),
-            _ => self.module.constants.get(&name).cloned().ok_or_else(|| format!("`{name}` is not known")),
+            _ if name.starts_with("mbs_runtime::") || name.starts_with("core::") => Ok(Meaning::Path(name.to_string())),
+            _ => self.module.constants.get(name).cloned().ok_or_else(|| format!("`{name}` is not known")),
         }
     }
 
-    fn unary(&mut self, unary: &syn::ExprUnary) -> Reading<Meaning> {
-        match (&unary.op, self.value(&unary.expr)?) {
-            (UnOp::Neg(_), Meaning::Number(a)) => Ok(Meaning::Number(a.opposite())),
-            (UnOp::Neg(_), Meaning::Literal(value)) => Ok(Meaning::Literal(-value)),
-            (UnOp::Not(_), Meaning::Number(a)) => Ok(Meaning::Number(self.numbering.not(a))),
-            (UnOp::Deref(_), Meaning::OnDemand(of)) => Ok((*of).clone()),
-            (UnOp::Deref(_), of @ (Meaning::List(_) | Meaning::Record(..))) => Ok(of),
-            _ => unknown(unary),
+    fn unary(&mut self, sign: char, operand: &Expression<'_>, text: &str) -> Reading<Meaning> {
+        match (sign, self.value(operand)?) {
+            ('-', Meaning::Number(a)) => Ok(Meaning::Number(a.opposite())),
+            ('-', Meaning::Literal(value)) => Ok(Meaning::Literal(-value)),
+            ('!', Meaning::Number(a)) => Ok(Meaning::Number(self.numbering.not(a))),
+            ('*', Meaning::OnDemand(of)) => Ok((*of).clone()),
+            ('*', of @ (Meaning::List(_) | Meaning::Record(..))) => Ok(of),
+            _ => unknown(text),
         }
     }
 
     /// A call of a function by its path.
-    fn call(&mut self, call: &syn::ExprCall) -> Reading<Meaning> {
-        let Expr::Path(function) = &*call.func else { return unknown(call) };
-        let name = path_of(&function.path);
-        if name == "core::array::from_fn" {
-            return self.columns(call);
+    fn call(&mut self, function: &str, arguments: &[Expression<'_>], text: &str) -> Reading<Meaning> {
+        if function == "core::array::from_fn" {
+            return self.columns(text);
         }
-        let arguments = self.values(&call.args)?;
+        let arguments = self.values(arguments)?;
         let constant = |reader: &mut Self, value: f64| Ok(Meaning::Number(reader.numbering.constant(value)));
-        match (name.as_str(), arguments.as_slice()) {
+        match (function, arguments.as_slice()) {
             ("T::zero", []) => constant(self, 0.0),
             ("T::one", []) => constant(self, 1.0),
             ("T::select", [Meaning::Number(c), Meaning::Closure(a), Meaning::Closure(b)]) => match (&**a, &**b) {
                 (Meaning::Number(a), Meaning::Number(b)) => Ok(Meaning::Number(self.numbering.select(*c, *a, *b))),
-                _ => unknown(call),
+                _ => unknown(text),
             },
             ("T::blend", [Meaning::Number(c), Meaning::Number(a), Meaning::Number(b)]) => {
                 Ok(Meaning::Number(self.numbering.select(*c, *a, *b)))
@@ -379,22 +348,22 @@ impl<'r> Reader<'r> {
                 (Meaning::List(a), Meaning::List(b)) if a.len() == b.len() => {
                     let mut selected = Vec::new();
                     for pair in a.iter().zip(b.iter()) {
-                        let (Meaning::Number(a), Meaning::Number(b)) = pair else { return unknown(call) };
+                        let (Meaning::Number(a), Meaning::Number(b)) = pair else { return unknown(text) };
                         selected.push(Meaning::Number(self.numbering.select(*c, *a, *b)));
                     }
                     Ok(Meaning::list(selected))
                 }
-                _ => unknown(call),
+                _ => unknown(text),
             },
             ("T::sin_cos_all", [Meaning::List(angles)]) if self.module.trigonometry == Trigonometry::Polynomials => {
                 self.sines_and_cosines(angles).map(|parts| Meaning::Tuple(parts.map(Meaning::list).into()))
             }
             ("core::cell::LazyCell::new", [Meaning::Closure(of)]) => Ok(Meaning::OnDemand(of.clone())),
             ("core::result::Result::Ok", [result]) => Ok(result.clone()),
-            _ if name.starts_with("mbs_runtime::") => Ok(Meaning::Call(name, arguments.into())),
-            _ => match (self.path(&function.path)?, arguments.as_slice()) {
+            _ if function.starts_with("mbs_runtime::") => Ok(Meaning::Call(function.to_string(), arguments.into())),
+            _ => match (self.path(function)?, arguments.as_slice()) {
                 (Meaning::FromF64, [Meaning::Literal(value)]) => constant(self, *value),
-                _ => unknown(call),
+                _ => unknown(text),
             },
         }
     }
@@ -410,7 +379,7 @@ impl<'r> Reader<'r> {
     }
 
     /// `from_fn(|i| from_fn(|j| solution[i][2 + j]))`
-    fn columns(&mut self, call: &syn::ExprCall) -> Reading<Meaning> {
+    fn columns(&mut self, call: &str) -> Reading<Meaning> {
         let start = "::core::array::from_fn(|i|::core::array::from_fn(|j|solution[i][";
         // Blocks are the formatter's.
         let written = compact(call).replace(['{', '}'], "");
@@ -421,38 +390,41 @@ impl<'r> Reader<'r> {
             None => None,
         };
         let first = first.ok_or_else(|| cannot_read(call))?;
-        let solution = self.path(&syn::parse_quote!(solution))?;
+        let solution = self.path("solution")?;
         Ok(Meaning::Columns(Rc::new(solution), first))
     }
 
-    fn method(&mut self, call: &syn::ExprMethodCall) -> Reading<Meaning> {
-        let name = call.method.to_string();
-        if let Expr::Path(receiver) = &*call.receiver
-            && receiver.path.is_ident("self")
-        {
-            let method = self.module.methods.get(&name).ok_or_else(|| format!("there is no function `{name}`"))?;
-            if self.values(&call.args)? != method.arguments {
+    fn method(
+        &mut self,
+        receiver: &Expression<'_>,
+        name: &str,
+        arguments: &[Expression<'_>],
+        text: &str,
+    ) -> Reading<Meaning> {
+        if matches!(&receiver.kind, ExpressionKind::Path(path) if path == "self") {
+            let method = self.module.methods.get(name).ok_or_else(|| format!("there is no function `{name}`"))?;
+            if self.values(arguments)? != method.arguments {
                 return Err(format!("`{name}` is called with other arguments than it takes"));
             }
             return Ok(method.result.clone());
         }
-        let receiver = self.value(&call.receiver)?;
-        if let (Meaning::List(entries), "map") = (&receiver, name.as_str()) {
-            return self.mapped(entries, call);
+        let receiver = self.value(receiver)?;
+        if let (Meaning::List(entries), "map", [argument]) = (&receiver, name, arguments) {
+            return self.mapped(entries, argument.text);
         }
-        let arguments = self.values(&call.args)?;
-        match (receiver, name.as_str(), arguments.as_slice()) {
+        let arguments = self.values(arguments)?;
+        match (receiver, name, arguments.as_slice()) {
             (Meaning::Number(a), name, arguments) => {
                 let mut numbers = Vec::new();
                 for argument in arguments {
-                    let Meaning::Number(number) = argument else { return unknown(call) };
+                    let Meaning::Number(number) = argument else { return unknown(text) };
                     numbers.push(*number);
                 }
-                self.operation(name, a, &numbers).unwrap_or_else(|| unknown(call))
+                self.operation(name, a, &numbers).unwrap_or_else(|| unknown(text))
             }
             (Meaning::Table(table), "derivatives", [Meaning::Number(x)]) => Ok(Meaning::Derivatives(table, *x)),
             (factors @ Meaning::Call(..), "solve_many", [right_side]) => {
-                Ok(Meaning::Call(name, [factors, right_side.clone()].into()))
+                Ok(Meaning::Call(name.to_string(), [factors, right_side.clone()].into()))
             }
             (list @ Meaning::List(_), "into_iter", []) => Ok(list),
             (Meaning::List(entries), "step_by", [Meaning::Integer(stride @ 1..)]) => {
@@ -462,7 +434,7 @@ impl<'r> Reader<'r> {
             (Meaning::List(rows), "flatten", []) => {
                 let mut all = Vec::new();
                 for row in rows.iter() {
-                    let Meaning::List(entries) = row else { return unknown(call) };
+                    let Meaning::List(entries) = row else { return unknown(text) };
                     all.extend(entries.iter().cloned());
                 }
                 Ok(Meaning::list(all))
@@ -471,32 +443,31 @@ impl<'r> Reader<'r> {
                 let pairs = a.iter().zip(b.iter()).map(|(a, b)| Meaning::Tuple([a.clone(), b.clone()].into()));
                 Ok(Meaning::list(pairs))
             }
-            _ => unknown(call),
+            _ => unknown(text),
         }
     }
 
     /// `[0.5, 1.0].map(T::from_f64)`, or of rows `.map(|row| row.map(T::from_f64))`.
-    fn mapped(&mut self, entries: &[Meaning], call: &syn::ExprMethodCall) -> Reading<Meaning> {
-        let written = compact(&call.args);
+    fn mapped(&mut self, entries: &[Meaning], by: &str) -> Reading<Meaning> {
         let mut of_each = |entries: &[Meaning]| {
             let mut numbers = Vec::new();
             for entry in entries {
-                let Meaning::Literal(value) = entry else { return unknown(call) };
+                let Meaning::Literal(value) = entry else { return unknown(by) };
                 numbers.push(Meaning::Number(self.numbering.constant(*value)));
             }
             Ok(Meaning::list(numbers))
         };
-        match written.as_str() {
+        match compact(by).as_str() {
             "T::from_f64" => of_each(entries),
             "|row|row.map(T::from_f64)" => {
                 let mut rows = Vec::new();
                 for row in entries {
-                    let Meaning::List(entries) = row else { return unknown(call) };
+                    let Meaning::List(entries) = row else { return unknown(by) };
                     rows.push(of_each(entries)?);
                 }
                 Ok(Meaning::list(rows))
             }
-            _ => unknown(call),
+            _ => unknown(by),
         }
     }
 
@@ -528,51 +499,9 @@ impl<'r> Reader<'r> {
     }
 }
 
-/// Whether an expression without a semicolon is a statement.
-fn is_statement(expression: &Expr) -> bool {
-    matches!(expression, Expr::ForLoop(_))
-}
-
-/// Whether it is `mut name`.
-fn is_changed_later(name: &syn::PatIdent) -> bool {
-    name.mutability.is_some() && name.by_ref.is_none() && name.subpat.is_none()
-}
-
-fn is_plain(name: &syn::PatIdent) -> bool {
-    name.by_ref.is_none() && name.mutability.is_none() && name.subpat.is_none()
-}
-
 fn nothing(value: Meaning) -> Reading<()> {
     match value {
         Meaning::Tuple(parts) if parts.is_empty() => Ok(()),
         _ => Err("a block gives a value that nothing takes".to_string()),
     }
-}
-
-/// `mbs_runtime::Pose`, without arguments of types.
-pub(super) fn path_of(path: &syn::Path) -> String {
-    let names: Vec<String> = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
-    names.join("::")
-}
-
-fn member(member: &Member) -> String {
-    match member {
-        Member::Named(name) => name.to_string(),
-        Member::Unnamed(index) => index.index.to_string(),
-    }
-}
-
-/// Tokens without spaces.
-pub(super) fn compact(what: &impl ToTokens) -> String {
-    what.to_token_stream().to_string().split_whitespace().collect()
-}
-
-fn cannot_read(what: &impl ToTokens) -> String {
-    let text = what.to_token_stream().to_string();
-    let short: String = text.chars().take(100).collect();
-    format!("`{short}{}` cannot be read", if short.len() < text.len() { "…" } else { "" })
-}
-
-pub(super) fn unknown<T>(what: &impl ToTokens) -> Reading<T> {
-    Err(cannot_read(what))
 }

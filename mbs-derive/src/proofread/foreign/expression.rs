@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::super::numbering::{Number, Numbering};
-use super::super::reader::Reading;
+use super::super::reading::Reading;
 use super::dialect::{Dialect, Family, Meant};
 use super::token::{Kind, Token};
 

@@ -10,7 +10,7 @@ use crate::variable::{Variable, count};
 
 use super::super::meaning::{Expectation, Meaning, System, shaped, width};
 use super::super::numbering::{Number, Numbering};
-use super::super::reader::Reading;
+use super::super::reading::Reading;
 use super::dialect::{Dialect, Family};
 use super::expression::Value;
 

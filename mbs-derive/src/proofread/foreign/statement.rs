@@ -3,7 +3,7 @@
 use crate::expr::Function;
 
 use super::super::numbering::Number;
-use super::super::reader::Reading;
+use super::super::reading::Reading;
 use super::dialect::Family;
 use super::expression::{Reader, Value};
 use super::token::Kind;

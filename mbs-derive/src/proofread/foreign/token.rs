@@ -1,6 +1,6 @@
 //! Words, numbers and marks of a text, for all languages that are not Rust.
 
-use super::super::reader::Reading;
+use super::super::reading::Reading;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,63 +2,59 @@
 
 use std::rc::Rc;
 
-use syn::{Expr, UnOp};
-
 use super::super::meaning::Meaning;
-use super::{Reader, Reading, cannot_read, member, unknown};
+use super::super::reading::{Reading, cannot_read, unknown};
+use super::super::rust::{Expression, ExpressionKind};
+use super::Reader;
 
 impl Reader<'_> {
-    pub(super) fn assign(&mut self, place: &Expr, value: Meaning) -> Reading<()> {
-        match (place, value) {
-            (Expr::Infer(_), _) => Ok(()),
-            (Expr::Path(path), value) => {
-                let name = path.path.require_ident().map_err(|_| cannot_read(path))?.to_string();
-                let local = *self.names.get(&name).ok_or_else(|| format!("`{name}` is not declared"))?;
+    pub(super) fn assign(&mut self, place: &Expression<'_>, value: Meaning) -> Reading<()> {
+        match (&place.kind, value) {
+            (ExpressionKind::Wild, _) => Ok(()),
+            (ExpressionKind::Path(name), value) => {
+                let local = *self.names.get(name).ok_or_else(|| format!("`{name}` is not declared"))?;
                 if local < self.outer || self.locals[local].is_some() {
                     return Err(format!("`{name}` is given a value here"));
                 }
                 self.locals[local] = Some(value);
                 Ok(())
             }
-            (Expr::Index(_) | Expr::Field(_) | Expr::Unary(_), value) => {
+            (ExpressionKind::Index(_) | ExpressionKind::Field(..) | ExpressionKind::Unary(..), value) => {
                 *self.component(place)? = value;
                 Ok(())
             }
-            (Expr::Array(places), value) => {
-                let values = self.entries(value, places.elems.len())?;
-                places.elems.iter().zip(values).try_for_each(|(place, value)| self.assign(place, value))
+            (ExpressionKind::Array(places), value) => {
+                let values = self.entries(value, places.len())?;
+                places.iter().zip(values).try_for_each(|(place, value)| self.assign(place, value))
             }
-            (Expr::Tuple(places), Meaning::Tuple(values)) if places.elems.len() == values.len() => {
-                places.elems.iter().zip(values.iter()).try_for_each(|(place, value)| self.assign(place, value.clone()))
+            (ExpressionKind::Tuple(places), Meaning::Tuple(values)) if places.len() == values.len() => {
+                places.iter().zip(values.iter()).try_for_each(|(place, value)| self.assign(place, value.clone()))
             }
-            (other, _) => unknown(other),
+            _ => unknown(place.text),
         }
     }
 
     /// What a component of a local means, to be given another meaning.
-    fn component(&mut self, place: &Expr) -> Reading<&mut Meaning> {
-        match place {
-            Expr::Path(whole) => {
-                let name = whole.path.require_ident().map_err(|_| cannot_read(whole))?.to_string();
-                let local = self.names.get(&name).copied().filter(|local| *local >= self.outer);
-                local.and_then(|local| self.locals[local].as_mut()).ok_or_else(|| cannot_read(place))
+    fn component(&mut self, place: &Expression<'_>) -> Reading<&mut Meaning> {
+        let text = place.text;
+        match &place.kind {
+            ExpressionKind::Path(name) => {
+                let local = self.names.get(name).copied().filter(|local| *local >= self.outer);
+                local.and_then(|local| self.locals[local].as_mut()).ok_or_else(|| cannot_read(text))
             }
-            Expr::Unary(whole) if matches!(whole.op, UnOp::Deref(_)) => self.component(&whole.expr),
-            Expr::Index(component) => {
-                let Meaning::Integer(i) = self.value(&component.index)? else { return unknown(place) };
-                match self.component(&component.expr)? {
+            ExpressionKind::Unary('*', whole) => self.component(whole),
+            ExpressionKind::Index(parts) => {
+                let Meaning::Integer(i) = self.value(&parts[1])? else { return unknown(text) };
+                match self.component(&parts[0])? {
                     Meaning::List(entries) if i < entries.len() => Ok(&mut Rc::make_mut(entries)[i]),
-                    _ => unknown(place),
+                    _ => unknown(text),
                 }
             }
-            Expr::Field(field) => match self.component(&field.base)? {
-                Meaning::Record(_, fields) => {
-                    let found = Rc::make_mut(fields).get_mut(&member(&field.member));
-                    found.ok_or_else(|| cannot_read(place))
-                }
-                _ => unknown(place),
+            ExpressionKind::Field(of, name) => match self.component(of)? {
+                Meaning::Record(_, fields) => Rc::make_mut(fields).get_mut(*name).ok_or_else(|| cannot_read(text)),
+                _ => unknown(text),
             },
-            _ => unknown(place),
+            _ => unknown(text),
         }
     }
 }
