@@ -143,7 +143,7 @@ impl fmt::Display for ControlError {
             }
             Self::NotStabilizable => f.write_str(
                 "no feedback makes the loop stable: an unstable motion is not reached by the inputs, or one that does not \
-                 decay by itself costs nothing",
+                 decay by itself costs nothing, or the system is so unstable that rounding hides the solution",
             ),
             Self::SampleTime { value } => write!(f, "the sample time must be positive and finite, it is {value:?} s"),
             Self::NotConverged => f.write_str("the eigenvalues were not found"),

@@ -176,6 +176,23 @@ fn samples_of_known_motions() {
     assert_eq!(grows, Err(ControlError::NotFinite { matrix: 'A' }));
 }
 
+/// In units that are powers of two apart not a bit changes.
+#[test]
+fn samples_do_not_depend_on_units() {
+    let sampled = |u: f64| {
+        let a = [[-1.0, u, u * u], [0.3 / u, -2.0, u], [0.1 / u / u, 0.7 / u, -0.5]];
+        let found = system(a, [[u * u], [u], [1.0]]).sampled(1.0).unwrap();
+        let unit = [u * u, u, 1.0];
+        let phi: [[f64; 3]; 3] = core::array::from_fn(|i| core::array::from_fn(|j| found.a[i][j] / unit[i] * unit[j]));
+        (phi, core::array::from_fn::<_, 3, _>(|i| found.b[i][0] / unit[i]))
+    };
+    let expected = sampled(1.0);
+    // The series of the exponential, summed.
+    close(expected.0[0][0], 0.454_673_389_813_766_2, 1e-15);
+    assert_eq!([sampled(2.0_f64.powi(20)), sampled(2.0_f64.powi(-40))], [expected; 2]);
+    all_close(&sampled(1e9).0, &expected.0, 1e-14);
+}
+
 /// Twice half the time is the time, for random systems.
 #[test]
 fn samples_compose() {
