@@ -1,7 +1,7 @@
-//! What the inputs of a system reach.
+//! What the inputs of a system reach, and what not.
 
 use super::ControlError;
-use super::dense::{balance, is_finite, norm};
+use super::dense::{balance, identity, is_finite, norm, product, transpose};
 use crate::scalar::Scalar;
 
 /// What is left of a vector of length 1 beside the others counts as rounding below this.
@@ -12,6 +12,28 @@ pub(super) fn reachable<const N: usize, const U: usize>(
     a: &[[f64; N]; N],
     b: &[[f64; U]; N],
 ) -> Result<usize, ControlError> {
+    Ok(span(a, b)?.1.count)
+}
+
+/// A on what the inputs do not reach; all that they reach has the pole that `reached` makes of the norm of A.
+pub(super) fn unreached<const N: usize, const U: usize>(
+    a: &[[f64; N]; N],
+    b: &[[f64; U]; N],
+    reached: impl Fn(f64) -> f64,
+) -> Result<[[f64; N]; N], ControlError> {
+    let (a, mut basis) = span(a, b)?;
+    let count = basis.count;
+    identity(1.0).into_iter().for_each(|axis| basis.add(axis, 0.0));
+    let turned = product(&product(&basis.vectors, &a), &transpose(&basis.vectors));
+    let instead = identity::<N>(reached(norm(&a)));
+    Ok(core::array::from_fn(|i| core::array::from_fn(|j| if i.min(j) < count { instead[i][j] } else { turned[i][j] })))
+}
+
+/// A of balanced states, and a basis of what the inputs reach of them.
+fn span<const N: usize, const U: usize>(
+    a: &[[f64; N]; N],
+    b: &[[f64; U]; N],
+) -> Result<([[f64; N]; N], Basis<N>), ControlError> {
     for (matrix, finite) in [('A', is_finite(a)), ('B', is_finite(b))] {
         if !finite {
             return Err(ControlError::NotFinite { matrix });
@@ -31,7 +53,7 @@ pub(super) fn reachable<const N: usize, const U: usize>(
         basis.add(core::array::from_fn(|i| (0..N).map(|j| a[i][j] * from[j]).sum()), size * f64::EPSILON);
         next += 1;
     }
-    Ok(basis.count)
+    Ok((a, basis))
 }
 
 /// Orthonormal vectors, the first `count` of them.
