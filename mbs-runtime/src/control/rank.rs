@@ -2,7 +2,7 @@
 
 use super::ControlError;
 use super::dense::{balance, identity, is_finite, norm, product, transpose};
-use crate::scalar::Scalar;
+use crate::scalar::length;
 
 /// What is left of a vector of length 1 beside the others counts as rounding below this.
 const NONE: f64 = 1e-10;
@@ -65,7 +65,7 @@ struct Basis<const N: usize> {
 impl<const N: usize> Basis<N> {
     /// Takes in what is new in a vector, unless its length is `rounding` or less.
     fn add(&mut self, mut vector: [f64; N], rounding: f64) {
-        let length = length(&vector);
+        let length = length(vector.into_iter());
         if self.count == N || length <= rounding {
             return;
         }
@@ -77,18 +77,10 @@ impl<const N: usize> Basis<N> {
                 (0..N).for_each(|i| vector[i] -= along * known[i]);
             }
         }
-        let left = self::length(&vector);
+        let left = self::length(vector.into_iter());
         if left > NONE {
             self.vectors[self.count] = vector.map(|entry| entry / left);
             self.count += 1;
         }
     }
-}
-
-fn length<const N: usize>(x: &[f64; N]) -> f64 {
-    let greatest = x.iter().fold(0.0, |most: f64, entry| most.max(entry.abs()));
-    if greatest == 0.0 {
-        return 0.0;
-    }
-    greatest * Scalar::sqrt(x.iter().map(|entry| (entry / greatest) * (entry / greatest)).sum::<f64>())
 }
