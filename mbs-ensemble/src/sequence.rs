@@ -110,8 +110,8 @@ impl Sequence {
         if kind == Kind::Saltelli { dimensions as u64 + 2 } else { 1 }
     }
 
-    /// This many points, or rows of points; `None` where Sobol's sequence has not as many dimensions. A hypercube has one
-    /// point at least, and behind its points begins another.
+    /// This many points, or rows of points; `None` where Sobol's sequence has not as many dimensions. A hypercube has
+    /// one point at least, and behind its points begins another.
     pub fn new(kind: Kind, seed: u64, points: u64, dimensions: usize) -> Option<Self> {
         let mut whole = random(seed, Purpose::Whole, 0);
         let of_sobol = if kind == Kind::Saltelli { 2 * dimensions } else { dimensions };

@@ -173,8 +173,8 @@ impl Sweep<'_> {
     /// were done since it was last told.
     ///
     /// # Errors
-    /// A file cannot be written, the folder holds members of another ensemble, another process does this share, or there
-    /// is no such share.
+    /// A file cannot be written, the folder holds members of another ensemble, another process does this share, or
+    /// there is no such share.
     pub fn run(
         &self,
         motion: &dyn Motion,

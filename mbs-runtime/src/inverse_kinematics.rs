@@ -21,8 +21,8 @@
 //! there; the others go on.
 //!
 //! The method is local: it finds a solution near the guess, or a place that is the best around it. Start it from
-//! several guesses to find several. Where no step leads away from the guess, as from an arm that is stretched towards the
-//! target, it starts a little beside.
+//! several guesses to find several. Where no step leads away from the guess, as from an arm that is stretched towards
+//! the target, it starts a little beside.
 //!
 //! # Source
 //! Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
@@ -90,8 +90,8 @@ pub struct Approach<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NotReached<const N: usize> {
-    /// To first order nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in
-    /// a local minimum. A guess that is such a place may be a singular one: the search has begun again beside it.
+    /// To first order nothing near these coordinates is nearer to the target: it is out of reach, or the search ended
+    /// in a local minimum. A guess that is such a place may be a singular one: the search has begun again beside it.
     Stationary(Approach<N>),
     /// To first order nothing near these coordinates is nearer to the target, and some are held by their limits.
     AtLimits {

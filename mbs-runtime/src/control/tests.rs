@@ -313,7 +313,7 @@ fn what_cannot_be_regulated_is_refused() {
     assert_eq!(nan, Err(ControlError::NotFinite { matrix: 'B' }));
 }
 
-/// Rounding must not make motions decay that no input reaches or no weight sees; what decays slowly by itself may do so.
+/// Rounding must not make motions decay that no input reaches or no weight sees; what decays by itself may be slow.
 #[test]
 fn motions_that_stay_are_refused() {
     let one = identity::<4>(1.0);
