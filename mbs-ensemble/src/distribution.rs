@@ -48,10 +48,16 @@ pub enum Distribution {
     },
 }
 
+/// What is more deviations from the middle of a normal distribution than this is nothing beside it.
+pub(crate) const FAR: f64 = 12.0;
+
 impl Distribution {
     /// Why there is no such distribution, as the end of a sentence; `None` where there is one.
     pub fn refusal(&self) -> Option<&'static str> {
         let refused = |is_wrong: bool, reason| is_wrong.then_some(reason);
+        if !self.is_finite() {
+            return Some("all its numbers must be finite");
+        }
         match *self {
             Distribution::Uniform { low, high } => refused(low >= high, "the lowest value must be below the highest"),
             Distribution::Triangular { low, mode, high } => refused(
@@ -66,8 +72,8 @@ impl Distribution {
                 Some("the lowest value must be below the highest")
             }
             Distribution::TruncatedNormal { .. } => {
-                let [below, above] = self.tails();
-                refused(1.0 - below - above < 1e-12, "hardly anything of the distribution lies within these bounds")
+                let [_, within, _] = self.parts();
+                refused(within < 1e-12, "hardly anything of the distribution lies within these bounds")
             }
             Distribution::Lognormal { median, deviation } => {
                 refused(median <= 0.0 || deviation <= 0.0, "median and deviation must be positive")
@@ -75,10 +81,32 @@ impl Distribution {
         }
     }
 
-    /// The probabilities of what is cut off on both sides of a normal distribution.
-    fn tails(&self) -> [f64; 2] {
-        let Distribution::TruncatedNormal { mean, deviation, low, high } = *self else { return [0.0; 2] };
-        [standard().cdf((low - mean) / deviation), standard().cdf((mean - high) / deviation)]
+    /// Only what cuts off a normal distribution may be infinite.
+    fn is_finite(&self) -> bool {
+        match *self {
+            Distribution::Uniform { low, high } => (high - low).is_finite(),
+            Distribution::Triangular { low, mode, high } => (high - low).is_finite() && mode.is_finite(),
+            Distribution::Normal { mean, deviation } => mean.is_finite() && deviation.is_finite(),
+            Distribution::TruncatedNormal { mean, deviation, low, high } => {
+                mean.is_finite() && deviation.is_finite() && !low.is_nan() && !high.is_nan()
+            }
+            Distribution::Lognormal { median, deviation } => median.is_finite() && deviation.is_finite(),
+        }
+    }
+
+    /// The probabilities of what is cut off below, of what is left, and of what is cut off above of a normal
+    /// distribution.
+    fn parts(&self) -> [f64; 3] {
+        let Distribution::TruncatedNormal { mean, deviation, low, high } = *self else { return [0.0, 1.0, 0.0] };
+        // Φ of a negative number keeps its digits, 1 − Φ does not.
+        let below = |value: f64| standard().cdf((value - mean) / deviation);
+        let above = |value: f64| standard().cdf((mean - value) / deviation);
+        let within = match (low > mean, high < mean) {
+            (true, _) => above(low) - above(high),
+            (_, true) => below(high) - below(low),
+            (false, false) => 1.0 - below(low) - above(high),
+        };
+        [below(low), within, above(high)]
     }
 
     /// The value that is not exceeded with this probability, from 0 to 1, both excluded.
@@ -88,6 +116,11 @@ impl Distribution {
     /// assert_eq!(Distribution::Uniform { low: 2.0, high: 4.0 }.quantile(0.25), 2.5);
     /// ```
     pub fn quantile(&self, probability: f64) -> f64 {
+        self.between(probability, 1.0 - probability)
+    }
+
+    /// The value with these probabilities of what is lower and of what is higher.
+    fn between(&self, probability: f64, rest: f64) -> f64 {
         match *self {
             Distribution::Uniform { low, high } => low + (high - low) * probability,
             Distribution::Triangular { low, mode, high } => {
@@ -98,9 +131,10 @@ impl Distribution {
                 self.at_deviate(standard().inverse_cdf(probability))
             }
             Distribution::TruncatedNormal { mean, deviation, low, high } => {
-                let [below, above] = self.tails();
-                let probability = below + probability * (1.0 - below - above);
-                (mean + deviation * standard().inverse_cdf(probability)).clamp(low, high)
+                let [below, within, above] = self.parts();
+                let (lower, higher) = (below + probability * within, above + rest * within);
+                let deviate = standard().inverse_cdf(lower.min(higher));
+                (mean + deviation * if lower < higher { deviate } else { -deviate }).clamp(low, high)
             }
         }
     }
@@ -110,12 +144,26 @@ impl Distribution {
         match *self {
             Distribution::Normal { mean, deviation } => mean + deviation * deviate,
             Distribution::Lognormal { median, deviation } => median * (deviation * deviate).exp(),
-            _ => self.quantile(standard().cdf(deviate)),
+            _ => self.between(standard().cdf(deviate), standard().cdf(-deviate)),
+        }
+    }
+
+    /// The lowest and the highest value, or what hardly anything of a normal distribution is beyond.
+    pub(crate) fn bounds(&self) -> [f64; 2] {
+        match *self {
+            Distribution::Uniform { low, high } | Distribution::Triangular { low, high, .. } => [low, high],
+            Distribution::TruncatedNormal { mean, deviation, low, high } => {
+                let (middle, far) = (mean.max(low).min(high), FAR * deviation);
+                let bound = |bound: f64, instead: f64| if bound.is_finite() { bound } else { instead };
+                [bound(low, middle - far), bound(high, middle + far)]
+            }
+            Distribution::Normal { .. } | Distribution::Lognormal { .. } => [f64::NEG_INFINITY, f64::INFINITY],
         }
     }
 
     /// The value that a plain number stands for, on which polynomials are orthonormal: from −1 to 1 where the
-    /// distribution has bounds, else as many deviations from the mean, or of the logarithm.
+    /// distribution has bounds, else as many deviations from the mean, or of the logarithm. Where a normal distribution
+    /// is cut off on one side, what is 12 deviations from there, or from the mean, counts as the other bound.
     ///
     /// ```
     /// use mbs_ensemble::Distribution;
@@ -123,33 +171,36 @@ impl Distribution {
     /// assert_eq!((uniform.at_germ(-1.0), uniform.germ(3.5), uniform.slope_at_germ(0.0)), (2.0, 0.5, 1.0));
     /// ```
     pub fn at_germ(&self, germ: f64) -> f64 {
+        let [low, high] = self.bounds();
         match *self {
             Distribution::Normal { .. } | Distribution::Lognormal { .. } => self.at_deviate(germ),
-            Distribution::Uniform { low, high }
-            | Distribution::Triangular { low, high, .. }
-            | Distribution::TruncatedNormal { low, high, .. } => (low + high) / 2.0 + (high - low) / 2.0 * germ,
+            Distribution::Uniform { .. } | Distribution::Triangular { .. } | Distribution::TruncatedNormal { .. } => {
+                (low + high) / 2.0 + (high - low) / 2.0 * germ
+            }
         }
     }
 
     /// The number that stands for a value: the inverse of [`at_germ`](Self::at_germ).
     pub fn germ(&self, value: f64) -> f64 {
+        let [low, high] = self.bounds();
         match *self {
             Distribution::Normal { mean, deviation } => (value - mean) / deviation,
             Distribution::Lognormal { median, deviation } => (value / median).ln() / deviation,
-            Distribution::Uniform { low, high }
-            | Distribution::Triangular { low, high, .. }
-            | Distribution::TruncatedNormal { low, high, .. } => (2.0 * value - low - high) / (high - low),
+            Distribution::Uniform { .. } | Distribution::Triangular { .. } | Distribution::TruncatedNormal { .. } => {
+                (2.0 * value - low - high) / (high - low)
+            }
         }
     }
 
     /// How much the value grows with the number that stands for it.
     pub fn slope_at_germ(&self, germ: f64) -> f64 {
+        let [low, high] = self.bounds();
         match *self {
             Distribution::Normal { deviation, .. } => deviation,
             Distribution::Lognormal { deviation, .. } => deviation * self.at_germ(germ),
-            Distribution::Uniform { low, high }
-            | Distribution::Triangular { low, high, .. }
-            | Distribution::TruncatedNormal { low, high, .. } => (high - low) / 2.0,
+            Distribution::Uniform { .. } | Distribution::Triangular { .. } | Distribution::TruncatedNormal { .. } => {
+                (high - low) / 2.0
+            }
         }
     }
 }
@@ -213,6 +264,27 @@ mod tests {
         }
     }
 
+    /// `Φ(−x) = Φ(−a) (1 − p)` beyond a bound `a` alone, and its mirror image; by SciPy's `norm.isf`.
+    #[test]
+    fn tails_of_cut_off_distributions() {
+        for (bound, p, expected) in [(7.0, 0.999, 7.9107), (7.0, 0.99999, 8.465), (6.0, 0.999_999_9, 8.2237)] {
+            let (low, high) = (3.0 + 0.5 * bound, 3.0 - 0.5 * bound);
+            let upper = Distribution::TruncatedNormal { mean: 3.0, deviation: 0.5, low, high: f64::INFINITY };
+            let lower = Distribution::TruncatedNormal { mean: 3.0, deviation: 0.5, low: f64::NEG_INFINITY, high };
+            for found in [(upper.quantile(p) - 3.0) / 0.5, (3.0 - lower.quantile(1.0 - p)) / 0.5] {
+                assert!((found - expected).abs() < 1e-4 * expected, "{bound} {p}: {found} {expected}");
+            }
+            assert_eq!((upper.refusal(), lower.refusal()), (None, None));
+        }
+        // What is left of a whole one, with as many digits at both ends.
+        let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
+        let whole = Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low, high };
+        for deviate in [-20.0, -1.0, 1.0, 20.0] {
+            let found = whole.at_deviate(deviate);
+            assert!((found - deviate).abs() < 1e-9, "{deviate}: {found}");
+        }
+    }
+
     #[test]
     fn impossible_distributions_are_refused() {
         let wrong = [
@@ -223,5 +295,27 @@ mod tests {
             Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low: 30.0, high: 31.0 },
         ];
         assert!(wrong.iter().all(|distribution| distribution.refusal().is_some()));
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let wrong = [
+                Distribution::Uniform { low: bad, high: 1.0 },
+                Distribution::Uniform { low: 1.0, high: bad },
+                Distribution::Triangular { low: bad, mode: 0.0, high: 1.0 },
+                Distribution::Triangular { low: 0.0, mode: bad, high: 1.0 },
+                Distribution::Triangular { low: 0.0, mode: 1.0, high: bad },
+                Distribution::Normal { mean: bad, deviation: 1.0 },
+                Distribution::Normal { mean: 0.0, deviation: bad },
+                Distribution::Lognormal { median: bad, deviation: 1.0 },
+                Distribution::Lognormal { median: 1.0, deviation: bad },
+                Distribution::TruncatedNormal { mean: bad, deviation: 1.0, low: -1.0, high: 1.0 },
+                Distribution::TruncatedNormal { mean: 0.0, deviation: bad, low: -1.0, high: 1.0 },
+            ];
+            for distribution in wrong {
+                assert_eq!(distribution.refusal(), Some("all its numbers must be finite"), "{distribution:?}");
+            }
+        }
+        for (low, high) in [(f64::NAN, 1.0), (-1.0, f64::NAN), (f64::INFINITY, f64::INFINITY)] {
+            let wrong = Distribution::TruncatedNormal { mean: 0.0, deviation: 1.0, low, high };
+            assert!(wrong.refusal().is_some(), "{wrong:?}");
+        }
     }
 }

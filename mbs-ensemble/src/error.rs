@@ -45,6 +45,14 @@ pub enum SweepError {
         /// Why.
         reason: String,
     },
+    /// There is no such share.
+    #[error("there is no rank {rank} of {ranks}: the first is 0")]
+    Rank {
+        /// Whose share it is.
+        rank: u64,
+        /// How many ranks there are.
+        ranks: u64,
+    },
     /// Members that nobody has done.
     #[error("members {first} to {last} are missing")]
     Missing {

@@ -110,7 +110,8 @@ impl Sequence {
         if kind == Kind::Saltelli { dimensions as u64 + 2 } else { 1 }
     }
 
-    /// This many points, or rows of points; `None` where Sobol's sequence has not as many dimensions.
+    /// This many points, or rows of points; `None` where Sobol's sequence has not as many dimensions. A hypercube has
+    /// one point at least, and behind its points begins another.
     pub fn new(kind: Kind, seed: u64, points: u64, dimensions: usize) -> Option<Self> {
         let mut whole = random(seed, Purpose::Whole, 0);
         let of_sobol = if kind == Kind::Saltelli { 2 * dimensions } else { dimensions };
@@ -137,9 +138,11 @@ impl Sequence {
             }
             Method::LatinHypercube { keys } => {
                 let mut random = random(self.seed, Purpose::Values, index);
+                let points = self.points.max(1);
+                let (turn, place) = (index / points, index % points);
                 let within = |key: &u64| {
-                    let interval = permuted(index, self.points, *key) as f64;
-                    (interval + unit(random.next_u64())) / self.points as f64
+                    let interval = permuted(place, points, key.wrapping_add(turn)) as f64;
+                    (interval + unit(random.next_u64())) / points as f64
                 };
                 // Where the quotient is rounded up to 1 it is not within the cube.
                 keys.iter().map(within).map(|x| x.min(1.0 - f64::EPSILON / 2.0)).collect()
@@ -173,7 +176,7 @@ fn sobol(directions: &[Vec<u64>], shifts: &[u64], index: u64) -> Vec<f64> {
 }
 
 /// Where `index` goes in the permutation of `0..count` that belongs to a key: without a table, so that memory does not
-/// grow with the count.
+/// grow with the count. The index is below the count.
 ///
 /// A Feistel network of four rounds permutes the next even power of two; who lands outside walks on.
 ///
@@ -223,10 +226,18 @@ mod tests {
     fn a_hypercube_has_one_point_in_each_interval() {
         let sequence = Sequence::new(Kind::LatinHypercube, 7, 50, 3).unwrap();
         for dimension in 0..3 {
-            let mut intervals: Vec<u64> = (0..50).map(|i| (50.0 * sequence.point(i)[dimension]) as u64).collect();
-            intervals.sort_unstable();
-            assert_eq!(intervals, (0..50).collect::<Vec<_>>());
+            let intervals = |from: u64| -> Vec<u64> {
+                (from..from + 50).map(|i| (50.0 * sequence.point(i)[dimension]) as u64).collect()
+            };
+            assert_ne!(intervals(0), intervals(50), "another hypercube, in another order");
+            for from in [0, 50, 5000] {
+                let mut intervals = intervals(from);
+                intervals.sort_unstable();
+                assert_eq!(intervals, (0..50).collect::<Vec<_>>());
+            }
         }
+        let none = Sequence::new(Kind::LatinHypercube, 1, 0, 1).unwrap().point(0);
+        assert!(none[0] > 0.0 && none[0] < 1.0);
     }
 
     /// The first points as Joe and Kuo's own program prints them, in the same order, but shifted.

@@ -66,8 +66,11 @@ impl Share {
         LAUNCHERS.into_iter().find_map(share).filter(|share| share.rank < share.ranks)
     }
 
-    /// Those of this rank.
+    /// Those of this rank; none where there is no such rank.
     pub fn members(self, of: u64) -> Range<u64> {
+        if self.rank >= self.ranks {
+            return of..of;
+        }
         let at = |rank: u64| (u128::from(of) * u128::from(rank) / u128::from(self.ranks)) as u64;
         at(self.rank)..at(self.rank + 1)
     }
@@ -150,12 +153,18 @@ impl Sweep<'_> {
         }
     }
 
+    /// The members of a share that there is.
+    fn members(&self, share: Share) -> Result<Range<u64>, SweepError> {
+        let Share { rank, ranks } = share;
+        if rank < ranks { Ok(share.members(self.design.members())) } else { Err(SweepError::Rank { rank, ranks }) }
+    }
+
     /// Which members of a share are not done yet.
     ///
     /// # Errors
-    /// The folder cannot be read.
+    /// The folder cannot be read, or there is no such share.
     pub fn missing(&self, share: Share) -> Result<Vec<Range<u64>>, SweepError> {
-        let members = share.members(self.design.members());
+        let members = self.members(share)?;
         let folder = self.folder();
         if folder.exists() { folder.missing(members) } else { Ok(vec![members]) }
     }
@@ -164,7 +173,8 @@ impl Sweep<'_> {
     /// were done since it was last told.
     ///
     /// # Errors
-    /// A file cannot be written, the folder holds members of another ensemble, or another process does this share.
+    /// A file cannot be written, the folder holds members of another ensemble, another process does this share, or
+    /// there is no such share.
     pub fn run(
         &self,
         motion: &dyn Motion,
@@ -172,10 +182,11 @@ impl Sweep<'_> {
         threads: usize,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<(), SweepError> {
+        let members = self.members(share)?;
         let folder = self.folder();
         folder.open(&self.identity)?;
         let journal = Mutex::new(folder.journal(share.rank, share.ranks)?);
-        let queue = Mutex::new(folder.missing(share.members(self.design.members()))?);
+        let queue = Mutex::new(folder.missing(members)?);
         let failure = Mutex::new(None);
         let is_over = AtomicBool::new(false);
         let worker = Worker { sweep: self, motion, journal: &journal, queue: &queue, progress, is_over: &is_over };
@@ -408,6 +419,23 @@ mod tests {
             }
             assert_eq!(next, members);
         }
+    }
+
+    #[test]
+    fn shares_that_are_none_are_refused() {
+        let design = design();
+        let folder = tempfile::tempdir().unwrap();
+        let sweep = sweep(&design, folder.path());
+        for share in [Share { rank: 2, ranks: 2 }, Share { rank: 0, ranks: 0 }, Share { rank: u64::MAX, ranks: 1 }] {
+            assert!(share.members(10).is_empty());
+            assert!(matches!(sweep.missing(share), Err(SweepError::Rank { .. })));
+            let error = sweep.run(&sum, share, 1, &|_| ()).unwrap_err();
+            assert_eq!(
+                error.to_string(),
+                format!("there is no rank {} of {}: the first is 0", share.rank, share.ranks)
+            );
+        }
+        assert!(!sweep.parts().exists());
     }
 
     #[test]

@@ -10,7 +10,7 @@
 use core::error::Error;
 use core::fmt;
 
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, length};
 
 /// How far from orthogonal a matrix may be for [`orthonormalized`]: the largest entry of `RᵀR − 1`.
 ///
@@ -63,11 +63,11 @@ impl Error for NotARotation {}
 /// The rotation `exp(φ×)` by the angle `|φ|` about the axis `φ/|φ|`.
 ///
 /// ```text
-/// R = 1 + (sin θ / θ) φ× + ½ (sin ½θ / ½θ)² (φ×)²,   θ = |φ|
+/// R = 1 + cos ½θ k× + ½ (k×)²,   k = (sin ½θ / ½θ) φ,   θ = |φ|
 /// ```
 ///
-/// Exact where `φ` is zero, and accurate to rounding for angles of any size. An entry of `φ` that is infinite or NaN
-/// gives NaN.
+/// Exact where `φ` is zero, and accurate to rounding, that of a large angle included: `ε θ`. An entry of `φ` that is
+/// infinite or NaN gives NaN.
 ///
 /// | argument          | meaning                      | shape | unit |
 /// |-------------------|------------------------------|-------|------|
@@ -86,19 +86,20 @@ impl Error for NotARotation {}
 /// because `1 − cos θ` cancels.
 #[must_use]
 pub fn exp(rotation_vector: &[f64; 3]) -> [[f64; 3]; 3] {
-    let [x, y, z] = *rotation_vector;
-    let angle = Scalar::sqrt(x * x + y * y + z * z);
-    // sin θ / θ and (1 − cos θ) / θ²; an angle that vanishes, or whose square does, has their limits.
-    let (sine, versine) = if angle == 0.0 {
-        (1.0, 0.5)
+    let square: f64 = rotation_vector.iter().map(|x| x * x).sum();
+    let angle = if square.is_finite() { Scalar::sqrt(square) } else { length(rotation_vector.iter().copied()) };
+    let half_angle = 0.5 * angle;
+    // Where the angle vanishes, k is φ.
+    let (part, cos) = if half_angle == 0.0 {
+        (1.0, 1.0)
     } else {
-        let (sin, cos) = Scalar::sin_cos(0.5 * angle);
-        let half = sin / (0.5 * angle);
-        (half * cos, 0.5 * half * half)
+        let (sin, cos) = Scalar::sin_cos(half_angle);
+        (sin / half_angle, cos)
     };
-    let [a, b, c] = [sine * x, sine * y, sine * z];
-    let [xy, xz, yz] = [versine * x * y, versine * x * z, versine * y * z];
-    let [xx, yy, zz] = [versine * x * x, versine * y * y, versine * z * z];
+    let [x, y, z] = rotation_vector.map(|x| part * x);
+    let [a, b, c] = [cos * x, cos * y, cos * z];
+    let [xy, xz, yz] = [0.5 * x * y, 0.5 * x * z, 0.5 * y * z];
+    let [xx, yy, zz] = [0.5 * x * x, 0.5 * y * y, 0.5 * z * z];
     [[1.0 - (yy + zz), xy - c, xz + b], [xy + c, 1.0 - (xx + zz), yz - a], [xz - b, yz + a, 1.0 - (xx + yy)]]
 }
 
@@ -436,6 +437,25 @@ mod tests {
                     assert!(found.iter().all(|x| x.is_nan()), "{value} at ({row}, {column}): {found:?}");
                 }
             }
+        }
+    }
+
+    /// Squares that overflow, or vanish, do no harm; the axis is kept.
+    #[test]
+    fn angles_of_any_size() {
+        for angle in [5e-324, 1e-200, 1e155, 1e300] {
+            let (sin, cos) = Scalar::sin_cos(angle);
+            let want = Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos);
+            assert!(largest(exp(&Vector3::new(angle, 0.0, 0.0)) - want) < 1e-15, "{angle}");
+            let turned = exp(&Vector3::new(0.0, 3.0 * angle, 4.0 * angle));
+            let axis = Vector3::new(0.0, 0.6, 0.8);
+            assert!(
+                (turned * axis - axis).amax() < 1e-15
+                    && largest(turned.transpose() * turned - Matrix3::identity()) < 1e-15
+            );
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert!(exp(&Vector3::new(0.0, bad, 0.0)).iter().all(|x| x.is_nan()), "{bad}");
         }
     }
 

@@ -46,6 +46,7 @@ mod eigenvalues;
 mod rank;
 mod regulator;
 mod sampled_loop;
+mod stability;
 
 use core::error::Error;
 use core::fmt;
@@ -119,7 +120,8 @@ pub enum ControlError {
         index: usize,
     },
     /// No feedback makes the loop stable at the least cost: an unstable motion is out of the reach of the inputs, or
-    /// one that does not decay by itself costs nothing.
+    /// one that does not decay by itself costs nothing; both as the ranks count. Or the system is so unstable that
+    /// rounding hides the solution.
     NotStabilizable,
     /// The sample time is not positive and finite.
     SampleTime {
@@ -143,7 +145,7 @@ impl fmt::Display for ControlError {
             }
             Self::NotStabilizable => f.write_str(
                 "no feedback makes the loop stable: an unstable motion is not reached by the inputs, or one that does not \
-                 decay by itself costs nothing",
+                 decay by itself costs nothing, or the system is so unstable that rounding hides the solution",
             ),
             Self::SampleTime { value } => write!(f, "the sample time must be positive and finite, it is {value:?} s"),
             Self::NotConverged => f.write_str("the eigenvalues were not found"),
@@ -193,7 +195,8 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
     /// The sampled system, with inputs held from one sample to the next, `sample_time` \[s\] later.
     ///
     /// `Φ = exp(A T)` and `Γ = ∫₀ᵀ exp(A s) ds B` are blocks of the exponential of `[[A, B], [0, 0]] T`, which is
-    /// computed by blocks: the Padé approximant of degree 13 of a 2⁻ˢ-th of it, squared s times. A need not be regular.
+    /// computed by blocks: the Padé approximant of degree 13 of a 2⁻ˢ-th of it, squared s times, after states were
+    /// scaled by powers of two that balance A and B. A need not be regular.
     ///
     /// # Errors
     /// [`ControlError::SampleTime`], [`ControlError::NotFinite`].

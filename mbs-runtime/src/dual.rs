@@ -257,11 +257,8 @@ impl<T: Scalar> Scalar for Dual<T> {
         let (x, n) = (self.value, exponent.value);
         let power = x.powf(n);
         let by_base = self.chain(power, n * x.powf(n - T::one()));
-        if exponent.derivative == T::zero() {
-            by_base
-        } else {
-            Self { derivative: by_base.derivative + power * x.ln() * exponent.derivative, ..by_base }
-        }
+        let by_both = || by_base.derivative + power * x.ln() * exponent.derivative;
+        Self { derivative: T::select(exponent.derivative.vanishes(), || by_base.derivative, by_both), ..by_base }
     }
 
     #[inline]
@@ -300,6 +297,11 @@ impl<T: Scalar> Scalar for Dual<T> {
     #[inline]
     fn equal(self, other: Self) -> Self::Mask {
         self.value.equal(other.value)
+    }
+
+    #[inline]
+    fn vanishes(self) -> Self::Mask {
+        self.value.vanishes() & self.derivative.vanishes()
     }
 
     #[inline]
@@ -378,5 +380,29 @@ mod tests {
     fn a_constant_power_of_a_negative_number() {
         let y = Dual::variable(-2.0).powf(Dual::constant(3.0));
         assert_eq!((y.value, y.derivative), (-8.0, 12.0));
+    }
+
+    /// Whether the exponent varies is a matter of each lane.
+    #[test]
+    #[cfg(feature = "wide")]
+    fn powers_in_lanes() {
+        use wide::f64x4;
+        let base = Dual { value: f64x4::new([-2.0, 2.0, 0.0, 3.0]), derivative: f64x4::splat(1.0) };
+        let exponent = Dual { value: f64x4::splat(3.0), derivative: f64x4::new([0.0, 1.0, 0.0, 0.0]) };
+        let found = base.powf(exponent);
+        for lane in 0..4 {
+            let alone =
+                |x: Dual<f64x4>| Dual { value: x.value.to_array()[lane], derivative: x.derivative.to_array()[lane] };
+            assert_eq!(alone(found), alone(base).powf(alone(exponent)), "{lane}");
+        }
+        assert_eq!(found.derivative.to_array()[0], 12.0);
+    }
+
+    /// `(xⁿ)''` with `n' = 0`, `n'' = 1`, and a logarithm that is there, and one that is not.
+    #[test]
+    fn exponents_that_begin_to_vary() {
+        let exponent = Dual { value: Dual::constant(3.0), derivative: Dual { value: 0.0, derivative: 1.0 } };
+        let at = |x: f64| Dual::constant(Dual::constant(x)).powf(exponent).derivative.derivative;
+        assert!((at(2.0) - 8.0 * Scalar::ln(2.0_f64)).abs() < 1e-14 && at(-2.0).is_nan());
     }
 }

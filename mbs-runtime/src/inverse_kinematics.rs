@@ -21,7 +21,8 @@
 //! there; the others go on.
 //!
 //! The method is local: it finds a solution near the guess, or a place that is the best around it. Start it from
-//! several guesses to find several.
+//! several guesses to find several. Where no step leads away from the guess, as from an arm that is stretched towards
+//! the target, it starts a little beside.
 //!
 //! # Source
 //! Y. Nakamura and H. Hanafusa, *Inverse kinematic solutions with singularity robustness for robot manipulator
@@ -36,7 +37,7 @@ use core::fmt;
 use crate::attitude::{self, NotARotation};
 use crate::dynamics::try_ldlt_solve;
 use crate::mechanism::Pose;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, length};
 
 /// What is asked of the solution, and what may be spent on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,10 +90,10 @@ pub struct Approach<const N: usize> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NotReached<const N: usize> {
-    /// Nothing near these coordinates is nearer to the target: it is out of reach, or the search ended in a local
-    /// minimum.
+    /// To first order nothing near these coordinates is nearer to the target: it is out of reach, or the search ended
+    /// in a local minimum. A guess that is such a place may be a singular one: the search has begun again beside it.
     Stationary(Approach<N>),
-    /// Nothing near these coordinates is nearer to the target, and some are held by their limits.
+    /// To first order nothing near these coordinates is nearer to the target, and some are held by their limits.
     AtLimits {
         /// The best coordinates.
         best: Approach<N>,
@@ -294,25 +295,29 @@ impl<const N: usize> DampedLeastSquares<N> {
         }
         let mut factor = 1.0;
         let mut evaluations = 1;
+        let mut start = None;
         loop {
             let approach = self.approach(&at, evaluations);
             if approach.position_error <= self.position_tolerance && approach.rotation_error <= self.rotation_tolerance
             {
                 return Ok(approach);
             }
-            let Step { change, held, gain } = self.step(&at, factor);
+            let Step { change, gain, .. } = self.step(&at, factor);
             let next = self.admitted(&core::array::from_fn(|i| at.q[i] + change[i]));
-            if factor > MOST || gain <= LEAST_GAIN * at.cost || next == at.q {
-                return Err(if let Some(reach) = self.out_of_proportion(&at.jacobian) {
-                    NotReached::LengthOutOfProportion { best: approach, length: self.length, reach }
-                } else if held.contains(&true) {
-                    NotReached::AtLimits { best: approach, held }
-                } else {
-                    NotReached::Stationary(approach)
-                });
+            let is_over = factor > MOST || gain <= LEAST_GAIN * at.cost || next == at.q;
+            if is_over && evaluations == 1 && self.evaluations > 1 {
+                let beside = evaluate(self.beside(&at));
+                evaluations += 1;
+                if beside.is_finite {
+                    start = Some(core::mem::replace(&mut at, beside));
+                    continue;
+                }
+            }
+            if is_over {
+                return Err(self.stationary(&nearer(start, at), evaluations));
             }
             if evaluations >= self.evaluations {
-                return Err(NotReached::TooManyEvaluations(approach));
+                return Err(NotReached::TooManyEvaluations(self.approach(&nearer(start, at), evaluations)));
             }
             let candidate = evaluate(next);
             evaluations += 1;
@@ -378,8 +383,33 @@ impl<const N: usize> DampedLeastSquares<N> {
     }
 
     fn approach(&self, at: &Evaluation<N>, evaluations: usize) -> Approach<N> {
-        let [position_error, rotation_error] = at.missing.map(|missing| norm(&missing));
+        let [position_error, rotation_error] = at.missing.map(|missing| length(missing.into_iter()));
         Approach { q: at.q, position_error, rotation_error, evaluations }
+    }
+
+    /// Why nothing is nearer to first order.
+    fn stationary(&self, at: &Evaluation<N>, evaluations: usize) -> NotReached<N> {
+        let best = self.approach(at, evaluations);
+        let Step { held, .. } = self.step(at, 1.0);
+        if let Some(reach) = self.out_of_proportion(&at.jacobian) {
+            NotReached::LengthOutOfProportion { best, length: self.length, reach }
+        } else if held.contains(&true) {
+            NotReached::AtLimits { best, held }
+        } else {
+            NotReached::Stationary(best)
+        }
+    }
+
+    /// Coordinates some hundredths of a radian beside these, in a direction that no mechanism is built for.
+    fn beside(&self, at: &Evaluation<N>) -> [f64; N] {
+        const STEP: f64 = 0.02;
+        const GOLDEN: f64 = 0.618_033_988_749_894_8;
+        let reach = length(at.jacobian.iter().flatten().copied()) / Scalar::sqrt(N as f64);
+        let step = if reach > 0.0 { STEP / reach } else { STEP };
+        self.admitted(&core::array::from_fn(|i| {
+            let part = step * (0.5 + GOLDEN * (i + 1) as f64 % 1.0);
+            if at.q[i] + part > self.upper[i] { at.q[i] - part } else { at.q[i] + part }
+        }))
     }
 
     /// How far coordinates move the body \[m\] and turn it \[rad\], where the length of a radian weighs one of the two
@@ -423,6 +453,14 @@ impl<const N: usize> DampedLeastSquares<N> {
     }
 }
 
+/// The one with less of an error.
+fn nearer<const N: usize>(start: Option<Evaluation<N>>, at: Evaluation<N>) -> Evaluation<N> {
+    match start {
+        Some(start) if start.cost <= at.cost => start,
+        _ => at,
+    }
+}
+
 struct Step<const N: usize> {
     /// `Δq`.
     change: [f64; N],
@@ -430,16 +468,6 @@ struct Step<const N: usize> {
     held: [bool; N],
     /// By how much `E` would fall to first order, were the damping not increased.
     gain: f64,
-}
-
-/// The Euclidean norm, whatever the size of the components.
-fn norm(x: &[f64; 3]) -> f64 {
-    let greatest = x.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs()));
-    if greatest > 0.0 && greatest.is_finite() {
-        greatest * Scalar::sqrt(x.iter().map(|x| (x / greatest) * (x / greatest)).sum::<f64>())
-    } else {
-        greatest
-    }
 }
 
 #[cfg(test)]

@@ -153,6 +153,12 @@ pub trait Scalar:
     /// `self = other`, lane by lane; a dual number compares its value alone.
     fn equal(self, other: Self) -> Self::Mask;
 
+    /// `self = 0`, lane by lane; of a dual number all parts.
+    #[inline]
+    fn vanishes(self) -> Self::Mask {
+        self.equal(Self::zero())
+    }
+
     /// The relative rounding error of an operation: the distance from 1 to the next larger number.
     const ROUNDING: f64 = f64::EPSILON;
 
@@ -261,5 +267,17 @@ pub trait Real: Scalar<Mask = bool> + PartialOrd {
     #[inline]
     fn is_nan(self) -> bool {
         self.partial_cmp(&self).is_none()
+    }
+}
+
+/// The Euclidean length, whatever the size of the entries.
+#[cfg(any(feature = "std", feature = "libm"))]
+pub(crate) fn length(entries: impl Iterator<Item = f64> + Clone) -> f64 {
+    let greatest = entries.clone().fold(0.0, |most: f64, entry| most.max(entry.abs()));
+    if greatest > 0.0 && greatest.is_finite() {
+        greatest * Scalar::sqrt(entries.map(|entry| (entry / greatest) * (entry / greatest)).sum::<f64>())
+    } else {
+        // Zero; or, which `max` drops, NaN.
+        entries.map(|entry| entry.abs()).sum()
     }
 }

@@ -106,8 +106,8 @@ impl<T: Copy> Trajectory<T> {
     /// The row `index`, counted from 0.
     #[must_use]
     pub fn row(&self, index: usize) -> Option<Row<'_, T>> {
-        let numbers = index * self.dimension..(index + 1) * self.dimension;
         let &t = self.t.get(index)?;
+        let numbers = index * self.dimension..(index + 1) * self.dimension;
         Some(Row { t, q: &self.q[numbers.clone()], qd: &self.qd[numbers] })
     }
 
@@ -243,7 +243,7 @@ mod tests {
         let trajectory = example();
         assert_eq!(trajectory.len(), 2);
         assert_eq!(trajectory.row(0), Some(Row { t: 0.0, q: &[1.0, 2.0], qd: &[3.0, 4.0] }));
-        assert_eq!(trajectory.row(2), None);
+        assert_eq!((trajectory.row(2), trajectory.row(usize::MAX)), (None, None));
         assert_eq!(trajectory.last(), trajectory.iter().next_back());
         assert_eq!(trajectory.coordinate(1).collect::<Vec<_>>(), [2.0, 6.0]);
         assert_eq!(trajectory.velocity(0).collect::<Vec<_>>(), [3.0, 7.0]);

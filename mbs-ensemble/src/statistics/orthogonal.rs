@@ -8,7 +8,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::distribution::Distribution;
+use crate::distribution::{Distribution, FAR};
 
 /// `p₀ … p_n`, orthonormal: `√βₖ₊₁ pₖ₊₁ = (ξ − αₖ) pₖ − √βₖ pₖ₋₁`.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,11 +43,10 @@ impl Polynomials {
                 };
                 Self::stieltjes(&measure(&[-1.0, mode, 1.0], density), degree)
             }
-            Distribution::TruncatedNormal { mean, deviation, low, high } => {
+            Distribution::TruncatedNormal { mean, deviation, .. } => {
+                let [low, high] = distribution.bounds();
                 let half = (high - low) / 2.0;
                 let (centre, spread) = ((mean - low) / half - 1.0, deviation / half);
-                // What is further from the middle of the probability than this is nothing beside it.
-                const FAR: f64 = 12.0;
                 let middle = centre.clamp(-1.0, 1.0);
                 let [from, to] = [-FAR, FAR].map(|far| (middle + far * spread).clamp(-1.0, 1.0));
                 let panels: Vec<f64> = (0..=24).map(|k| from + (to - from) * f64::from(k) / 24.0).collect();
@@ -145,13 +144,15 @@ fn measure(places: &[f64], density: impl Fn(f64) -> f64) -> Vec<Node> {
 mod tests {
     use super::*;
 
-    const ALL: [Distribution; 6] = [
+    const ALL: [Distribution; 8] = [
         Distribution::Uniform { low: 1.0, high: 4.0 },
         Distribution::Triangular { low: 1.0, mode: 2.0, high: 5.0 },
         Distribution::Triangular { low: 1.0, mode: 1.0, high: 5.0 },
         Distribution::Normal { mean: 2.0, deviation: 0.3 },
         Distribution::TruncatedNormal { mean: 0.2, deviation: 0.5, low: 0.0, high: 1.0 },
         Distribution::TruncatedNormal { mean: 2.0, deviation: 0.1, low: 0.0, high: 4.0 },
+        Distribution::TruncatedNormal { mean: 0.2, deviation: 0.5, low: 0.0, high: f64::INFINITY },
+        Distribution::TruncatedNormal { mean: 0.2, deviation: 0.5, low: f64::NEG_INFINITY, high: -1.0 },
     ];
 
     /// Under the rule of a degree that integrates their products exactly, and under the quantiles themselves.

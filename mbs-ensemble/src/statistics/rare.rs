@@ -49,7 +49,8 @@ const MEMORY: f64 = 0.8;
 
 impl SubsetSimulation {
     /// The probability that a function of standard normal numbers is zero or negative: that it fails, where it is the
-    /// distance from failure. Values that are not finite count as farthest from it.
+    /// distance from failure. Values that are not finite count as farthest from it. Without points or levels nothing is
+    /// found: the probability is NaN, its variation infinite.
     ///
     /// ```
     /// use mbs_ensemble::statistics::rare::SubsetSimulation;
@@ -59,6 +60,10 @@ impl SubsetSimulation {
     /// assert!((rare.probability / 3.17e-5).ln().abs() < 0.6 && rare.evaluations < 6000);
     /// ```
     pub fn run(&self, function: impl Fn(&[f64]) -> f64) -> RareEvent {
+        if self.points == 0 || self.most_levels == 0 {
+            let (probability, variation) = (f64::NAN, f64::INFINITY);
+            return RareEvent { probability, variation, thresholds: Vec::new(), evaluations: 0 };
+        }
         let kept = ((self.points as f64 * PART) as usize).max(1);
         let value = |z: &[f64]| Some(function(z)).filter(|value| value.is_finite()).unwrap_or(f64::INFINITY);
         // The points of a chain stand behind each other.
@@ -171,5 +176,9 @@ mod tests {
         assert_eq!((never.probability, never.variation), (0.0, f64::INFINITY));
         assert_eq!(method.run(|_| f64::NAN).probability, 0.0);
         assert_eq!(method.run(|_| -1.0).probability, 1.0);
+        for nothing in [SubsetSimulation { points: 0, ..method }, SubsetSimulation { most_levels: 0, ..method }] {
+            let found = nothing.run(|_| 1.0);
+            assert_eq!((found.probability.is_nan(), found.variation, found.evaluations), (true, f64::INFINITY, 0));
+        }
     }
 }

@@ -3,7 +3,7 @@
 use core::error::Error;
 use core::fmt;
 
-use crate::scalar::Scalar;
+use crate::scalar::length;
 
 /// Regressors of many states on top of each other, kept as the triangle of their QR factorization.
 ///
@@ -51,7 +51,7 @@ impl<const P: usize> RegressorStack<P> {
             if b == 0.0 {
                 continue;
             }
-            let length = Scalar::sqrt(a * a + b * b);
+            let length = length([a, b].into_iter());
             let (cos, sin) = (a / length, b / length);
             for j in k..P {
                 let (above, below) = (self.triangle[k][j], row[j]);
@@ -72,7 +72,7 @@ impl<const P: usize> RegressorStack<P> {
     /// Columns are scaled to length 1, so that units do not count; one that is shorter than `1e-12` of the longest is
     /// what rounding left of nothing, and counts as zero. Then the one is taken that is longest across those already
     /// taken, until none is longer than `tolerance`; `1e-9` is well above rounding and well below what a mechanism of a
-    /// few links leaves.
+    /// few links leaves. None is longer than NaN.
     ///
     /// ```
     /// use mbs_runtime::control::RegressorStack;
@@ -94,22 +94,23 @@ impl<const P: usize> RegressorStack<P> {
     /// 1991; the pivots: P. Businger and G. H. Golub, *Linear least squares solutions by Householder transformations*,
     /// Numerische Mathematik 7, 1965.
     pub fn base(&self, tolerance: f64) -> Result<BaseParameters<P>, NotFiniteRegressor> {
-        let length: [f64; P] = core::array::from_fn(|j| norm(self.triangle.iter().map(|row| row[j])));
-        if let Some(parameter) = length.iter().position(|length| !length.is_finite()) {
+        let lengths: [f64; P] = core::array::from_fn(|j| length(self.triangle.iter().map(|row| row[j])));
+        if let Some(parameter) = lengths.iter().position(|length| !length.is_finite()) {
             return Err(NotFiniteRegressor { parameter });
         }
-        let least = ROUNDING * length.iter().fold(0.0, |most: f64, length| most.max(*length));
-        let told = length.map(|length| length > least);
-        let scale: [f64; P] = core::array::from_fn(|j| if told[j] { length[j] } else { 1.0 });
+        let least = ROUNDING * lengths.iter().fold(0.0, |most: f64, length| most.max(*length));
+        let told = lengths.map(|length| length > least);
+        let scale: [f64; P] = core::array::from_fn(|j| if told[j] { lengths[j] } else { 1.0 });
         let mut a = self.triangle.map(|row| core::array::from_fn(|j| if told[j] { row[j] / scale[j] } else { 0.0 }));
         let mut order: [usize; P] = core::array::from_fn(|j| j);
         let mut pivots = [0.0; P];
         let mut rank = P;
         for k in 0..P {
-            let left = |j: usize| norm(a[k..].iter().map(|row: &[f64; P]| row[j]));
+            let left = |j: usize| length(a[k..].iter().map(|row: &[f64; P]| row[j]));
             let best = (k..P).fold(k, |best, j| if left(j) > left(best) { j } else { best });
             pivots[k] = left(best);
-            if pivots[k] <= tolerance {
+            let is_told = pivots[k] > tolerance && pivots[k] > 0.0;
+            if !is_told {
                 rank = k;
                 break;
             }
@@ -137,7 +138,7 @@ const ROUNDING: f64 = 1e-12;
 
 /// Householder's reflection that makes column k of rows k and below a multiple of the first unit vector.
 fn reflect<const P: usize>(a: &mut [[f64; P]; P], k: usize) {
-    let length = norm(a[k..].iter().map(|row| row[k]));
+    let length = length(a[k..].iter().map(|row| row[k]));
     let alpha = if a[k][k] > 0.0 { -length } else { length };
     let mut v: [f64; P] = core::array::from_fn(|i| if i < k { 0.0 } else { a[i][k] });
     v[k] -= alpha;
@@ -149,10 +150,6 @@ fn reflect<const P: usize>(a: &mut [[f64; P]; P], k: usize) {
         let along: f64 = 2.0 * (k..P).map(|i| v[i] * a[i][j]).sum::<f64>() / square;
         (k..P).for_each(|i| a[i][j] -= along * v[i]);
     }
-}
-
-fn norm(entries: impl Iterator<Item = f64>) -> f64 {
-    Scalar::sqrt(entries.map(|entry| entry * entry).sum::<f64>())
 }
 
 /// Parameters of which each is told apart from the others, and how the rest counts with them.
@@ -246,6 +243,28 @@ mod tests {
             let made: f64 = (0..2).map(|k| row[base.independent()[k]] * base.coefficient(k, j)).sum();
             assert!((made - row[dependent]).abs() < 1e-12, "{dependent}");
         }
+    }
+
+    /// Squares of the entries underflow, or overflow.
+    #[test]
+    fn units_do_not_count() {
+        for unit in [1.0, 1e-170, 1e-300, 1e170] {
+            let mut stack = RegressorStack::<3>::default();
+            stack.add(&[
+                [unit, unit, 0.5 * unit],
+                [2.0 * unit, 2.0 * unit, -unit],
+                [0.3 * unit, 0.3 * unit, 4.0 * unit],
+            ]);
+            let base = stack.base(1e-9).unwrap();
+            assert_eq!((base.rank(), base.dependent().len()), (2, 1), "{unit}");
+            let values = base.values(&[3.0, 4.0, 7.0]);
+            assert!(values[..2].iter().all(|value| (value - 7.0).abs() < 1e-12), "{unit}: {values:?}");
+            assert_eq!(stack.base(f64::NAN).unwrap().rank(), 0);
+        }
+        // One column, and one that is nothing, is of rank one, whatever the tolerance.
+        let mut stack = RegressorStack::<2>::default();
+        stack.add(&[[1.0, 0.0]]);
+        assert_eq!([-1.0, 0.0].map(|tolerance| stack.base(tolerance).unwrap().rank()), [1, 1]);
     }
 
     #[test]

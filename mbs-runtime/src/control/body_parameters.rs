@@ -81,7 +81,13 @@ impl BodyParameters {
     /// [`ParameterError`] with the number that shows it.
     pub fn check(&self) -> Result<(), ParameterError> {
         require("mass", self.mass, ParameterCondition::Positive)?;
-        require_inertia("inertia", self.inertia_about_center(), ParameterCondition::InertiaOfABody)
+        let [xx, yy, zz, products @ ..] = self.inertia_about_center();
+        // What may be left of the difference of two inertias of a point: ten times what one operation rounds.
+        let [x, y, z] = self.center();
+        let rounding = 10.0 * f64::EPSILON * self.mass * (x * x + y * y + z * z);
+        let moments = [xx, yy, zz].map(|moment| moment + rounding);
+        let [[xx, yy, zz], [xy, xz, yz]] = [moments, products];
+        require_inertia("inertia", [xx, yy, zz, xy, xz, yz], ParameterCondition::InertiaOfABody)
     }
 }
 
@@ -106,5 +112,22 @@ mod tests {
         let inverted = BodyParameters { mass: -1.0, ..body };
         assert_eq!(inverted.check().map_err(|error| (error.quantity, error.value)), Err(("mass", -1.0)));
         assert!(BodyParameters { inertia: [0.0; 6], ..body }.check().is_err());
+    }
+
+    /// Points and rods, whose inertia is a difference of equal numbers, and what is less than nothing by more.
+    #[test]
+    fn bodies_without_extent() {
+        assert_eq!(BodyParameters::about_center(3.0, [0.3, 0.2, 0.1], [0.0; 6]).check(), Ok(()));
+        let place = |k: i32| [0.7, 1.3, 2.9].map(|step| (step * f64::from(k)).sin() * 10.0_f64.powi(k % 7 - 3));
+        for k in 1..1000 {
+            let mass = 10.0_f64.powi(k % 5 - 2) * 1.3;
+            let point = BodyParameters::about_center(mass, place(k), [0.0; 6]);
+            assert_eq!(point.check(), Ok(()), "{k}");
+            assert_eq!(point.plus(&point).check(), Ok(()), "{k}");
+            let [x, y, z] = place(k);
+            let less = -1e-13 * mass * (x * x + y * y + z * z);
+            let wrong = BodyParameters::about_center(mass, place(k), [less, less, less, 0.0, 0.0, 0.0]);
+            assert!(wrong.check().is_err(), "{k}");
+        }
     }
 }

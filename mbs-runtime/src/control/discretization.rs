@@ -1,7 +1,7 @@
 //! The exponential of `[[A, B], [0, 0]] T`, by its blocks.
 
 use super::ControlError;
-use super::dense::{difference, identity, is_finite, norm, product, scaled, solve, sum};
+use super::dense::{balance, difference, identity, is_finite, norm, product, scaled, solve, sum};
 
 /// Coefficients of the Padé approximant of degree 13 of the exponential (Higham, 2005, equation 2.3).
 const C: [f64; 14] = [
@@ -36,11 +36,12 @@ pub(super) fn zero_order_hold<const N: usize, const U: usize>(
     if !(time > 0.0 && time.is_finite()) {
         return Err(ControlError::SampleTime { value: time });
     }
-    let (a, b) = (scaled(time, a), scaled(time, b));
+    let (mut a, mut b) = (scaled(time, a), scaled(time, b));
     if !is_finite(&b) {
         return Err(ControlError::NotFinite { matrix: 'B' });
     }
     let overflow = ControlError::NotFinite { matrix: 'A' };
+    let unit = balance(&mut a, &mut b);
     let (mut size, mut squarings, mut part) = (norm(&a), 0, 1.0);
     if !size.is_finite() {
         return Err(overflow);
@@ -53,6 +54,8 @@ pub(super) fn zero_order_hold<const N: usize, const U: usize>(
         gamma = sum(&product(&phi, &gamma), &gamma);
         phi = product(&phi, &phi);
     }
+    phi = core::array::from_fn(|i| core::array::from_fn(|j| phi[i][j] / unit[j] * unit[i]));
+    gamma = core::array::from_fn(|i| gamma[i].map(|entry| entry * unit[i]));
     if is_finite(&phi) && is_finite(&gamma) { Ok((phi, gamma)) } else { Err(overflow) }
 }
 

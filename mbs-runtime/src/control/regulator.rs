@@ -2,8 +2,7 @@
 
 use super::ControlError;
 use super::dense::{difference, identity, is_finite, norm, product, scaled, solve, sum, symmetric, transpose};
-use super::eigenvalues::eigenvalues;
-use super::natural_frequency;
+use super::stability::Time;
 use crate::scalar::Scalar;
 
 /// The feedback `u = −K x` that makes a quadratic cost the least.
@@ -31,7 +30,7 @@ type Square<const N: usize> = [[f64; N]; N];
 ///
 /// The equation is turned into that of a sampled system by Cayley's transformation, and that one solved by doubling:
 /// each iteration looks twice as far ahead. Of several parameters of the transformation the one that leaves the least
-/// is taken, and a step of Newton's method made. States are balanced by powers of two before; then they are scaled so
+/// is taken, and steps of Newton's method made as long as they help. States are balanced by powers of two before; then they are scaled so
 /// that X has a diagonal of the order of 1, and all is done once more, which makes the result independent of units.
 ///
 /// # Errors
@@ -40,7 +39,7 @@ type Square<const N: usize> = [[f64; N]; N];
 /// # Source
 /// E. K.-W. Chu, H.-Y. Fan and W.-W. Lin, *A structure-preserving doubling algorithm for continuous-time algebraic
 /// Riccati equations*, Linear Algebra and its Applications 396, 2005, algorithm 1 (its equations 9 to 11 the
-/// transformation); the step of Newton's method: D. L. Kleinman, *On an iterative technique for Riccati equation
+/// transformation); the steps of Newton's method: D. L. Kleinman, *On an iterative technique for Riccati equation
 /// computations*, IEEE Transactions on Automatic Control 13:1, 1968.
 pub fn lqr<const N: usize, const U: usize>(
     a: &Square<N>,
@@ -50,10 +49,9 @@ pub fn lqr<const N: usize, const U: usize>(
 ) -> Result<Regulator<N, U>, ControlError> {
     let back = check(a, b, q, r)?;
     let g = symmetric(&product(b, &back));
-    let cost = scaled_twice(&Equation { a: *a, g, h: symmetric(q) }, continuous)?;
+    let cost = scaled_twice(&Equation { a: *a, g, h: symmetric(q) }, |equation, _| continuous(equation))?;
     let gain = product(&back, &cost);
-    let poles = eigenvalues(&difference(a, &product(b, &gain)))?;
-    finished(gain, cost, poles.iter().all(|pole| pole.re < 0.0))
+    finished(Time::Continuous, a, b, q, Regulator { gain, cost })
 }
 
 /// The regulator of `x' = A x + B u` that makes `Σ₀^∞ xᵀ Q x + uᵀ R u` least.
@@ -69,7 +67,9 @@ pub fn lqr<const N: usize, const U: usize>(
 ///
 /// # Source
 /// E. K.-W. Chu, H.-Y. Fan, W.-W. Lin and C.-S. Wang, *Structure-preserving algorithms for periodic discrete-time
-/// algebraic Riccati equations*, International Journal of Control 77:8, 2004, algorithm 2.1 with one period.
+/// algebraic Riccati equations*, International Journal of Control 77:8, 2004, algorithm 2.1 with one period; then
+/// Newton's method: G. A. Hewer, *An iterative technique for the computation of the steady state gains for the discrete
+/// optimal regulator*, IEEE Transactions on Automatic Control 16:4, 1971.
 pub fn discrete_lqr<const N: usize, const U: usize>(
     a: &Square<N>,
     b: &[[f64; U]; N],
@@ -78,20 +78,24 @@ pub fn discrete_lqr<const N: usize, const U: usize>(
 ) -> Result<Regulator<N, U>, ControlError> {
     let back = check(a, b, q, r)?;
     let g = symmetric(&product(b, &back));
-    let cost = scaled_twice(&Equation { a: *a, g, h: symmetric(q) }, discrete)?;
-    let xb = product(&transpose(b), &cost);
-    let weight = sum(r, &product(&xb, b));
-    let gain = solve(weight, product(&xb, a)).ok_or(ControlError::NotStabilizable)?;
-    let poles = eigenvalues(&difference(a, &product(b, &gain)))?;
-    finished(gain, cost, poles.iter().all(|&pole| natural_frequency(pole) < 1.0))
+    let cost = scaled_twice(&Equation { a: *a, g, h: symmetric(q) }, |equation, unit| {
+        discrete(equation, &core::array::from_fn(|i| b[i].map(|entry| entry / unit[i])), r)
+    })?;
+    let gain = sampled_gain(a, b, r, &cost).ok_or(ControlError::NotStabilizable)?;
+    finished(Time::Sampled, a, b, q, Regulator { gain, cost })
 }
 
+/// A regulator, if its loop is stable.
 fn finished<const N: usize, const U: usize>(
-    gain: [[f64; N]; U],
-    cost: Square<N>,
-    is_stable: bool,
+    time: Time,
+    a: &Square<N>,
+    b: &[[f64; U]; N],
+    q: &Square<N>,
+    regulator: Regulator<N, U>,
 ) -> Result<Regulator<N, U>, ControlError> {
-    if is_stable && is_finite(&gain) { Ok(Regulator { gain, cost }) } else { Err(ControlError::NotStabilizable) }
+    let gain = &regulator.gain;
+    let is_stable = is_finite(gain) && time.is_stabilized(&difference(a, &product(b, gain)), a, b, q)?;
+    if is_stable { Ok(regulator) } else { Err(ControlError::NotStabilizable) }
 }
 
 /// `R⁻¹ Bᵀ`, of matrices that make sense.
@@ -224,27 +228,31 @@ fn power_of_two(x: f64) -> f64 {
     power
 }
 
-/// Solves, scales the states by the diagonal of the solution, and solves again.
+/// Solves, scales the states by the diagonal of the solution, and solves again. The method is told the units.
 fn scaled_twice<const N: usize>(
     equation: &Equation<N>,
-    method: impl Fn(&Equation<N>) -> Option<(Square<N>, f64)>,
+    method: impl Fn(&Equation<N>, &[f64; N]) -> Option<(Square<N>, f64)>,
 ) -> Result<Square<N>, ControlError> {
     let balance = equation.balance();
-    let (first, left) = method(&equation.scaled(&balance)).ok_or(ControlError::NotStabilizable)?;
+    let (first, left) = method(&equation.scaled(&balance), &balance).ok_or(ControlError::NotStabilizable)?;
     let d: [f64; N] = core::array::from_fn(|i| {
         let size = first[i][i];
         balance[i] * if size > 0.0 { power_of_two(1.0 / Scalar::sqrt(size)) } else { 1.0 }
     });
     let back = |x: &Square<N>, d: &[f64; N]| each(x, |i, j| 1.0 / d[i] / d[j]);
-    match method(&equation.scaled(&d)) {
+    match method(&equation.scaled(&d), &d) {
         Some((second, rest)) if rest <= left.max(GOOD) => Ok(back(&second, &d)),
         _ if left <= GOOD => Ok(back(&first, &balance)),
         _ => Err(ControlError::NotStabilizable),
     }
 }
 
-/// What a solution leaves of its equation, in units of the terms of which it is the sum.
-const GOOD: f64 = 1e-10;
+/// What a solution may leave of its equation, in units of the terms of which it is the sum. Where A is very unstable no
+/// less is left.
+const GOOD: f64 = 1e-6;
+
+/// Steps of Newton's method; as it is quadratic, it rarely needs more than three.
+const NEWTON: usize = 20;
 
 /// The solution of the continuous equation and what it leaves.
 fn continuous<const N: usize>(equation: &Equation<N>) -> Option<(Square<N>, f64)> {
@@ -252,8 +260,11 @@ fn continuous<const N: usize>(equation: &Equation<N>) -> Option<(Square<N>, f64)
     let size = norm(a) + Scalar::sqrt(norm(g)) * Scalar::sqrt(norm(h));
     let mut best: Option<(Square<N>, f64)> = None;
     for part in [1.0, 0.25, 0.0625, 4.0, 0.015_625, 16.0, 1.0 / 256.0, 1.0 / 4096.0] {
-        let Some(x) = transformed(equation, part * size).and_then(|sampled| doubling(&sampled)) else { continue };
-        let x = kleinman(equation, &x).unwrap_or(x);
+        let Some(mut x) = transformed(equation, part * size).and_then(|sampled| doubling(&sampled)) else { continue };
+        for _ in 0..NEWTON {
+            let Some(better) = kleinman(equation, &x) else { break };
+            x = better;
+        }
         let left = relative_residual(equation, &x);
         if best.is_none_or(|(_, least)| left < least) {
             best = Some((x, left));
@@ -342,20 +353,49 @@ fn stein<const N: usize>(mut u: Square<N>, mut v: Square<N>) -> Option<Square<N>
 }
 
 /// The solution of the sampled equation and what it leaves.
-fn discrete<const N: usize>(equation: &Equation<N>) -> Option<(Square<N>, f64)> {
-    let Equation { a, g, h } = equation;
-    let x = doubling(equation)?;
-    let left = |x: &Square<N>| -> Option<(Square<N>, f64)> {
-        let ahead = product(&transpose(a), &product(x, &solve(sum(&identity(1.0), &product(g, x)), *a)?));
-        let residual = difference(&sum(&ahead, h), x);
-        let terms = norm(&ahead) + norm(h) + norm(x);
-        Some((residual, if terms == 0.0 { 0.0 } else { norm(&residual) / terms }))
-    };
-    let (residual, before) = left(&x)?;
-    // One step of Newton's method, where that leaves less.
-    let better = solve(sum(&identity(1.0), &product(g, &x)), *a)
-        .and_then(|closed| stein(closed, residual))
-        .map(|change| symmetric(&sum(&x, &change)));
-    let after = better.and_then(|better| left(&better).map(|(_, after)| (better, after)));
-    Some(after.filter(|&(_, after)| after < before).unwrap_or((x, before)))
+fn discrete<const N: usize, const U: usize>(
+    equation: &Equation<N>,
+    b: &[[f64; U]; N],
+    r: &Square<U>,
+) -> Option<(Square<N>, f64)> {
+    let mut best: Option<(Square<N>, f64)> = None;
+    let mut next = doubling(equation);
+    for _ in 0..=NEWTON {
+        let Some(x) = next else { break };
+        let Some((better, left)) = hewer(equation, b, r, &x) else { break };
+        if best.is_some_and(|(_, least)| left >= least) {
+            break;
+        }
+        (best, next) = (Some((x, left)), better);
+    }
+    best
+}
+
+/// One step of Newton's method, the cost of the feedback K that X gives, and what X leaves of its equation:
+/// `(A − B K)ᵀ X (A − B K) + Kᵀ R K + Q − X`.
+fn hewer<const N: usize, const U: usize>(
+    Equation { a, h, .. }: &Equation<N>,
+    b: &[[f64; U]; N],
+    r: &Square<U>,
+    x: &Square<N>,
+) -> Option<(Option<Square<N>>, f64)> {
+    let gain = sampled_gain(a, b, r, x)?;
+    let closed = difference(a, &product(b, &gain));
+    let now = sum(h, &product(&transpose(&gain), &product(r, &gain)));
+    let ahead = product(&transpose(&closed), &product(x, &closed));
+    let residual = difference(&sum(&ahead, &now), x);
+    let terms = norm(&ahead) + norm(&now) + norm(x);
+    let left = if terms == 0.0 { 0.0 } else { norm(&residual) / terms };
+    Some((stein(closed, now).map(|better| symmetric(&better)), left))
+}
+
+/// `(R + Bᵀ X B)⁻¹ Bᵀ X A`
+fn sampled_gain<const N: usize, const U: usize>(
+    a: &Square<N>,
+    b: &[[f64; U]; N],
+    r: &Square<U>,
+    x: &Square<N>,
+) -> Option<[[f64; N]; U]> {
+    let xb = product(&transpose(b), x);
+    solve(sum(r, &product(&xb, b)), product(&xb, a))
 }

@@ -176,6 +176,23 @@ fn samples_of_known_motions() {
     assert_eq!(grows, Err(ControlError::NotFinite { matrix: 'A' }));
 }
 
+/// In units that are powers of two apart not a bit changes.
+#[test]
+fn samples_do_not_depend_on_units() {
+    let sampled = |u: f64| {
+        let a = [[-1.0, u, u * u], [0.3 / u, -2.0, u], [0.1 / u / u, 0.7 / u, -0.5]];
+        let found = system(a, [[u * u], [u], [1.0]]).sampled(1.0).unwrap();
+        let unit = [u * u, u, 1.0];
+        let phi: [[f64; 3]; 3] = core::array::from_fn(|i| core::array::from_fn(|j| found.a[i][j] / unit[i] * unit[j]));
+        (phi, core::array::from_fn::<_, 3, _>(|i| found.b[i][0] / unit[i]))
+    };
+    let expected = sampled(1.0);
+    // The series of the exponential, summed.
+    close(expected.0[0][0], 0.454_673_389_813_766_2, 1e-15);
+    assert_eq!([sampled(2.0_f64.powi(20)), sampled(2.0_f64.powi(-40))], [expected; 2]);
+    all_close(&sampled(1e9).0, &expected.0, 1e-14);
+}
+
 /// Twice half the time is the time, for random systems.
 #[test]
 fn samples_compose() {
@@ -208,6 +225,10 @@ fn regulators_of_textbooks() {
         close(found.cost[0][0] / x, 1.0, 1e-13);
         close(found.gain[0][0] / (b * x / r), 1.0, 1e-13);
     }
+    // Controllable, but far from stable: as SciPy 1.17 has it.
+    let (a, b) = ([[4.0, -2.0, -2.0], [0.0, 5.0, 3.0], [1.0, 2.0, -2.0]], [[3.0], [-2.0], [-1.0]]);
+    let found = discrete_lqr(&a, &b, &identity(1.0), &[[1.0]]).unwrap();
+    all_close(&found.gain, &[[10.8166, 11.2925, 2.8831]], 1e-4);
     // x' = a x + u, Q = R = 1: X² − a² X − 1 = 0.
     for a in [0.0_f64, 0.5, 1.0, -3.0] {
         let x = 0.5 * (a * a + (a.powi(4) + 4.0).sqrt());
@@ -290,6 +311,77 @@ fn what_cannot_be_regulated_is_refused() {
     }
     let nan = lqr(&a, &[[f64::NAN], [1.0]], &weight, &[[1.0]]);
     assert_eq!(nan, Err(ControlError::NotFinite { matrix: 'B' }));
+}
+
+/// Rounding must not make motions decay that no input reaches or no weight sees; what decays by itself may be slow.
+#[test]
+fn motions_that_stay_are_refused() {
+    let one = identity::<4>(1.0);
+    // Two masses with a force between them, free or with a spring and a damper: their common motion stays.
+    for ((m, n), (k, c)) in [(5.0, 2.0), (4.0, 8.0), (3.0, 7.0), (9.0, 1.0)]
+        .into_iter()
+        .flat_map(|masses| [(0.0, 0.0), (100.0, 1.0), (1.0, 0.0)].map(|spring| (masses, spring)))
+    {
+        let a = [
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0, 0.0, 0.0, 1.0],
+            [-k / m, k / m, -c / m, c / m],
+            [k / n, -k / n, c / n, -c / n],
+        ];
+        let between = system(a, [[0.0], [0.0], [1.0 / m], [-1.0 / n]]);
+        assert_eq!(lqr(&a, &between.b, &one, &[[1.0]]), Err(ControlError::NotStabilizable), "{m} {n} {k}");
+        let sampled = between.sampled(0.1).unwrap();
+        assert_eq!(
+            discrete_lqr(&sampled.a, &sampled.b, &one, &[[1.0]]),
+            Err(ControlError::NotStabilizable),
+            "{m} {n} {k}"
+        );
+    }
+    // The place of a mass that costs nothing, the velocity alone does.
+    let (a, b) = ([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]]);
+    let unseen = lqr(&a, &b, &[[0.0, 0.0], [0.0, 1.0]], &[[1.0]]);
+    assert_eq!(unseen, Err(ControlError::NotStabilizable));
+    // −2 a x = q for what decays alone; x² = 1 − 2 x for the rest.
+    for slow in [1e-3, 1e-6, 1e-9] {
+        let found = lqr(&[[-slow, 0.0], [0.0, -1.0]], &[[0.0], [1.0]], &identity(1.0), &[[1.0]]).unwrap();
+        all_close(&found.gain, &[[0.0, 2.0_f64.sqrt() - 1.0]], 1e-14);
+        close(found.cost[0][0] * 2.0 * slow, 1.0, 1e-9);
+        let found = discrete_lqr(&[[1.0 - slow, 0.0], [0.0, 1.0]], &[[0.0], [1.0]], &identity(1.0), &[[1.0]]).unwrap();
+        all_close(&found.gain, &[[0.0, (5.0_f64.sqrt() - 1.0) / 2.0]], 1e-14);
+        close(found.cost[0][0] * slow * (2.0 - slow), 1.0, 1e-6);
+    }
+    let mut numbers = Numbers(8);
+    for hidden in [0.0, 1.0] {
+        for _ in 0..100 {
+            let (mut a, mut b) = (scaled(2.0, &numbers.matrix::<5, 5>()), numbers.matrix::<5, 2>());
+            (a[4], b[4]) = ([0.0, 0.0, 0.0, 0.0, hidden], [0.0; 2]);
+            let turn = sum(&identity(2.0), &numbers.matrix::<5, 5>());
+            let Some(back) = solve(turn, identity(1.0)) else { continue };
+            let (a, b) = (product(&product(&turn, &a), &back), product(&turn, &b));
+            assert!(lqr(&a, &b, &identity(1.0), &identity(1.0)).is_err(), "{a:?}");
+            let next = sum(&a, &identity(1.0));
+            assert!(discrete_lqr(&next, &b, &identity(1.0), &identity(1.0)).is_err(), "{next:?}");
+        }
+    }
+}
+
+/// What the inputs reach can be regulated, be it ever so unstable.
+#[test]
+fn controllable_systems_of_integers_have_regulators() {
+    let mut numbers = Numbers(9);
+    for _ in 0..300 {
+        let a = numbers.matrix::<4, 4>().map(|row| row.map(|entry| (5.4 * entry).round()));
+        let b = numbers.matrix::<4, 1>().map(|row| row.map(|entry| (3.4 * entry).round()));
+        let plant = system(a, b);
+        if plant.controllability_rank() != Ok(4) {
+            continue;
+        }
+        let slow = plant.with_feedback(&lqr(&a, &b, &identity(1.0), &[[1.0]]).unwrap().gain).poles().unwrap();
+        assert!(slow.iter().all(|pole| pole.re < 0.0), "{a:?} {b:?}");
+        let found = discrete_lqr(&a, &b, &identity(1.0), &[[1.0]]).unwrap();
+        let poles = plant.with_feedback(&found.gain).poles().unwrap();
+        assert!(poles.iter().all(|&pole| natural_frequency(pole) < 1.0), "{a:?} {b:?}");
+    }
 }
 
 #[test]

@@ -65,6 +65,30 @@ fn a_singular_guess_is_left() {
     assert!(difference(&planar(&found.q).0, &target) < 1e-9);
 }
 
+/// Stretched towards the target, or away from it, or folded, no step leads nearer to first order.
+#[test]
+fn a_guess_that_no_step_leads_from_is_left() {
+    let identity = planar(&[0.0; 3]).0;
+    for (x, guess) in [(1.5, [0.0; 3]), (-1.5, [0.0; 3]), (1.5, [0.0, PI, -PI]), (1e-3, [0.0; 3])] {
+        let target = Pose { position: [x, 0.0, 0.0], ..identity };
+        let found = DampedLeastSquares::default().solve(planar, &target, &guess).expect("reached");
+        assert!(difference(&planar(&found.q).0, &target) < 1e-9, "{found:?}");
+        // Also where the elbow is at its limit.
+        let limits = DampedLeastSquares { upper: [9.0, guess[1], 9.0], ..Default::default() };
+        let found = limits.solve(planar, &target, &guess).expect("reached");
+        assert!(found.q[1] < guess[1] - 0.1, "{found:?}");
+    }
+    // What is out of reach stays so, and the guess may be the best place.
+    let target = Pose { position: [2.5, 0.0, 0.0], ..identity };
+    let best = match DampedLeastSquares::default().solve(planar, &target, &[0.0; 3]) {
+        Err(NotReached::Stationary(best)) => best,
+        other => panic!("{other:?}"),
+    };
+    assert!(best.q == [0.0; 3] && best.position_error == 0.5 && best.evaluations > 1, "{best:?}");
+    let once = DampedLeastSquares { evaluations: 1, ..Default::default() }.solve(planar, &target, &[0.0; 3]);
+    assert!(matches!(once, Err(NotReached::Stationary(Approach { evaluations: 1, .. }))), "{once:?}");
+}
+
 #[test]
 fn out_of_reach_the_best_is_told() {
     let target = Pose { position: [2.5, 0.0, 0.0], ..planar(&[0.0; 3]).0 };
