@@ -33,8 +33,14 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::IntegrationError;
-use crate::integrator::{Observer, Step, is_between};
+use crate::integrator::{Observer, Step};
 use crate::state::{Coordinates, State};
+
+mod location;
+mod part;
+
+use location::{resolution, sign};
+use part::Part;
 
 /// Into how many parts a step is divided to look for changes of sign.
 const PARTS: usize = 8;
@@ -356,76 +362,6 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         Ok(())
     }
 
-    /// Looks ever farther from `from` for the sign with which the event's function leaves zero.
-    ///
-    /// Two values in succession, the second the larger one, are believed, if they exceed the rounding errors.
-    fn leave_zero(&mut self, step: &mut dyn Step<V>, index: usize, from: f64, to: f64) -> Result<(), IntegrationError> {
-        let length = to - from;
-        let mut distance = (2.0 * resolution(from, to)).max(1e-14 * length.abs());
-        let mut previous = 0.0_f64;
-        while distance < length.abs() {
-            let time = from + distance.copysign(length);
-            step.interpolate(time, &mut self.there)?;
-            let value = self.value(index, time, from)?;
-            let event = &mut self.events[index];
-            if value.abs() <= 8.0 * event.residue {
-                previous = 0.0;
-            } else if value * previous.signum() > previous.abs() && previous != 0.0 {
-                (event.side, event.since) = (sign(value), time);
-                // An impact that leads through the surface all the same, soon after the one before, was the last one.
-                if event.last == from && event.side != event.came && event.gap.abs() < 1e3 * distance {
-                    return Err(IntegrationError::EventsAccumulate { time: from, event: index });
-                }
-                return Ok(());
-            } else {
-                previous = value;
-            }
-            distance *= 4.0;
-        }
-        Ok(())
-    }
-
-    /// The time between `since` and `to` at which the event's function changes its sign: the last one found before it,
-    /// or where it is zero.
-    ///
-    /// ITP: bisection, where the regula falsi, moved towards the middle, has a say as long as it does no harm.
-    fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<f64, IntegrationError> {
-        let Event { side, since, .. } = self.events[index];
-        // The function positive before the root and negative after; rounding errors do not count.
-        let mut value = |time: f64| -> Result<f64, IntegrationError> {
-            step.interpolate(time, &mut self.there)?;
-            Ok(side * self.value(index, time, since)?)
-        };
-        let (mut a, mut b) = (since, to);
-        let (mut at_a, mut at_b) = (value(a)?.max(0.0), value(b)?.min(0.0));
-        let tolerance = f64::EPSILON * a.abs().max(b.abs());
-        let pull = 0.2 / (b - a).abs();
-        let mut bound = tolerance.max(f64::MIN_POSITIVE);
-        while bound < (b - a).abs() {
-            bound *= 2.0;
-        }
-        while (b - a).abs() > 2.0 * tolerance && at_b != 0.0 {
-            let (middle, width) = (a + 0.5 * (b - a), (b - a).abs());
-            let falsi = if at_a > 0.0 { a + (b - a) * (at_a / (at_a - at_b)) } else { middle };
-            let inwards = middle - falsi;
-            let moved = falsi + inwards.abs().min(pull * width * width).copysign(inwards);
-            let radius = bound - 0.5 * width;
-            let x = if (moved - middle).abs() <= radius { moved } else { middle - radius.copysign(inwards) };
-            let x = if is_between(a, x, b) && x != a && x != b { x } else { middle };
-            if x == a || x == b {
-                break;
-            }
-            let at_x = value(x)?;
-            if at_x > 0.0 {
-                (a, at_a) = (x, at_x)
-            } else {
-                (b, at_b) = (x, at_x)
-            }
-            bound *= 0.5;
-        }
-        Ok(if at_b == 0.0 { b } else { a })
-    }
-
     /// The earliest root that has not happened yet.
     fn first_root(&self, forwards: bool) -> Option<f64> {
         let roots = self.events.iter().map(|event| event.root).filter(|root| !root.is_nan());
@@ -469,110 +405,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     }
 }
 
-/// Times closer than this are not told apart \[s\]; false for NaN in comparisons.
-fn resolution(a: f64, b: f64) -> f64 {
-    16.0 * f64::EPSILON * a.abs().max(b.abs())
-}
-
-/// −1, 0 or 1.
-fn sign(x: f64) -> f64 {
-    if x > 0.0 {
-        1.0
-    } else if x < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
 /// Whether the states are the same, number by number.
 fn equal<V: Coordinates>(a: &State<V>, b: &State<V>) -> bool {
     a.q.as_slice() == b.q.as_slice() && a.qd.as_slice() == b.qd.as_slice()
-}
-
-/// A step as far as the event that cuts it.
-struct Part<'a, V> {
-    whole: &'a mut dyn Step<V>,
-    /// The state at the cut, before the actions.
-    there: &'a State<V>,
-    cut: Option<Cut>,
-    /// The time from which the observer wants to go on with a state of its own.
-    origin: Option<f64>,
-    fault: Option<IntegrationError>,
-}
-
-impl<V: Coordinates> Part<'_, V> {
-    /// Refuses times after the cut.
-    fn check(&mut self, t: f64) -> Result<(), IntegrationError> {
-        if is_between(self.previous_time(), t, self.time()) {
-            return Ok(());
-        }
-        self.refuse(IntegrationError::InvalidTime { time: t })
-    }
-
-    /// Refuses states to go on from that are not finite.
-    fn check_state(&mut self, state: &State<V>) -> Result<(), IntegrationError> {
-        if state.is_finite() {
-            return Ok(());
-        }
-        self.refuse(IntegrationError::NonFiniteState { time: self.time() })
-    }
-
-    fn refuse(&mut self, error: IntegrationError) -> Result<(), IntegrationError> {
-        self.fault = Some(error);
-        Err(error)
-    }
-}
-
-impl<V: Coordinates> Step<V> for Part<'_, V> {
-    fn previous_time(&self) -> f64 {
-        self.whole.previous_time()
-    }
-
-    fn time(&self) -> f64 {
-        self.cut.map_or(self.whole.time(), |cut| cut.time)
-    }
-
-    fn previous_state(&self) -> &State<V> {
-        self.whole.previous_state()
-    }
-
-    fn state(&self) -> &State<V> {
-        if self.cut.is_some() { self.there } else { self.whole.state() }
-    }
-
-    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        self.check(t)?;
-        self.whole.interpolate(t, state)
-    }
-
-    fn replace(&mut self, state: &State<V>) {
-        if self.check_state(state).is_err() {
-            return;
-        }
-        match self.cut {
-            None => {
-                self.origin = Some(self.whole.time());
-                self.whole.replace(state);
-            }
-            // An impact is not undone.
-            Some(Cut { changed: true, .. }) => {}
-            Some(Cut { time, .. }) => {
-                // The time is that of the cut, and so inside.
-                if self.whole.restart(time, state).is_ok() {
-                    self.origin = Some(time);
-                }
-            }
-        }
-    }
-
-    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
-        self.check(t)?;
-        self.check_state(state)?;
-        self.whole.restart(t, state)?;
-        self.origin = Some(t);
-        Ok(())
-    }
 }
 
 #[cfg(all(test, feature = "std"))]
