@@ -13,7 +13,8 @@
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
 //! - Events of one step happen in the order of their times, those of the same time in the order in which they are
-//!   given.
+//!   given. Times that the clock does not tell apart are the same, and so are those of events that are all past zero,
+//!   as far as rounding lets them know, where the first of them happens.
 //! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did
 //!   is a correction, such as a projection: an event does not happen twice or not at all for it. What changes it by
 //!   more is a jump, and passing zero with it no event.
@@ -117,6 +118,8 @@ pub struct Event<'a, V> {
     /// Its value at the last place looked at, and how far it had come there from the place before.
     value: f64,
     travel: f64,
+    /// Its value at the root looked at, before the actions.
+    reached: f64,
     /// When it happens in the part of the step that is looked at, or NaN.
     root: f64,
     /// When it happened last; NaN where it has not.
@@ -143,6 +146,7 @@ impl<'a, V> Event<'a, V> {
             next: 0.0,
             value: f64::NAN,
             travel: 0.0,
+            reached: f64::NAN,
             root: f64::NAN,
             last: f64::NAN,
             came: 0.0,
@@ -196,10 +200,9 @@ impl<'a, V> Event<'a, V> {
         if self.count == 0 { None } else { Some(self.last) }
     }
 
-    /// Whether a change from `side` to `next` counts.
-    fn has_root(&self) -> bool {
+    /// Whether it counts where its function comes from `side` to zero.
+    fn is_armed(&self) -> bool {
         self.side != 0.0
-            && self.next != self.side
             && match self.direction {
                 Direction::Any => true,
                 Direction::Rising => self.side < 0.0,
@@ -207,11 +210,17 @@ impl<'a, V> Event<'a, V> {
             }
     }
 
-    /// It happens at the time `root`, at a state where the function is `value`; whether the integration goes on from
-    /// there or ends, if either.
-    fn happen(&mut self, value: f64, state: &mut State<V>) -> Response {
+    /// Whether it has not left zero at the time `time` yet, on the way that leads in the direction `way`.
+    fn waits(&self, time: f64, way: f64) -> bool {
+        self.side == 0.0 || (self.since - time) * way > 0.0
+    }
+
+    /// It happens at the time `root`; whether the integration goes on from there or ends, if either.
+    fn happen(&mut self, state: &mut State<V>) -> Response {
         self.gap = self.root - self.last;
-        (self.last, self.came, self.residue) = (self.root, self.side, value.abs());
+        (self.last, self.came, self.residue) = (self.root, self.side, self.reached.abs());
+        // It has to leave zero first.
+        (self.side, self.since, self.root) = (0.0, self.last, f64::NAN);
         self.count += 1;
         let response = self.action.as_mut().map_or(Response::Continue, |action| action(self.last, state));
         if self.terminal { Response::Stop } else { response }
@@ -231,14 +240,25 @@ impl<V> fmt::Debug for Event<'_, V> {
 /// The events of one integration.
 pub(crate) struct Watch<'e, 'a, V> {
     events: &'e mut [Event<'a, V>],
-    /// Whether the next step begins with a state that no event function has seen.
-    jumped: bool,
-    /// Whether that state stands for the end of the step before, as a projection does.
-    replaced: bool,
+    /// How the next step begins.
+    start: Start,
     /// The state at the time looked at.
     there: State<V>,
     /// The state that the actions left.
     after: State<V>,
+}
+
+/// What the state at the beginning of a step has to do with the step before.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Start {
+    /// It is where that one ended.
+    Same,
+    /// It stands for where that one ended, as a projection does.
+    Corrected,
+    /// It is where an event cut that one.
+    Cut,
+    /// Nothing.
+    Jump,
 }
 
 /// Where an event ends a step.
@@ -254,9 +274,9 @@ struct Cut {
 impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     pub(crate) fn new(events: &'e mut [Event<'a, V>], like: &State<V>) -> Self {
         for event in events.iter_mut() {
-            (event.count, event.last) = (0, f64::NAN);
+            (event.count, event.last, event.value, event.residue) = (0, f64::NAN, f64::NAN, 0.0);
         }
-        Self { events, jumped: true, replaced: false, there: like.clone(), after: like.clone() }
+        Self { events, start: Start::Jump, there: like.clone(), after: like.clone() }
     }
 
     /// Looks for events in the step, and shows the observer what is left of it.
@@ -279,8 +299,12 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             return Err(error.widen());
         }
         let answer = answer?;
-        self.jumped = origin.is_some() || cut.is_some();
-        self.replaced = cut.is_none() && origin == Some(end);
+        self.start = match origin {
+            None if cut.is_some() => Start::Cut,
+            None => Start::Same,
+            Some(time) if time == end => Start::Corrected,
+            Some(_) => Start::Jump,
+        };
         Ok(match (answer, cut) {
             (ControlFlow::Continue(()), Some(cut)) => {
                 let time = origin.unwrap_or(cut.time);
@@ -298,65 +322,76 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     /// `there` is then the state at that time as it was, `after` as the actions left it.
     fn look(&mut self, step: &mut dyn Step<V>) -> Result<Option<Cut>, IntegrationError> {
         let (start, end) = (step.previous_time(), step.time());
-        if self.jumped {
+        if self.start != Start::Same {
             self.there.copy_from(step.previous_state());
-            self.arm(start)?;
+            self.arm(start, end - start)?;
         }
         let mut from = start;
         for part in 1..=PARTS {
             let to = if part == PARTS { end } else { start + (end - start) * (part as f64 / PARTS as f64) };
-            for index in 0..self.events.len() {
-                if self.events[index].side == 0.0 {
-                    self.leave_zero(step, index, from, to)?;
-                }
-            }
-            step.interpolate(to, &mut self.there)?;
-            for index in 0..self.events.len() {
-                let value = self.value(index, to, from)?;
-                let event = &mut self.events[index];
-                // What has not left zero yet still has to, beyond rounding.
-                let zero = event.side == 0.0 && value.abs() <= 8.0 * event.residue;
-                event.next = if zero { 0.0 } else { sign(value) };
-                event.travel = (value - event.value).abs();
-                event.value = value;
-            }
-            for index in 0..self.events.len() {
-                let root = if self.events[index].has_root() { self.locate(step, index, to)? } else { f64::NAN };
-                self.events[index].root = root;
-            }
-            // NaN is no minimum.
-            while let Some(time) = self.first_root(end >= start) {
-                step.interpolate(time, &mut self.there)?;
-                let cut = self.happen(time)?;
-                if cut.is_some() {
-                    return Ok(cut);
-                }
-            }
-            for event in self.events.iter_mut() {
-                (event.side, event.since) = (event.next, to);
+            let cut = self.look_between(step, from, to)?;
+            if cut.is_some() {
+                return Ok(cut);
             }
             from = to;
         }
         Ok(None)
     }
 
-    /// The signs at the beginning of a step after a jump, or of the first one; the state is `there`.
-    fn arm(&mut self, start: f64) -> Result<(), IntegrationError> {
+    /// Lets the events between two neighbouring places happen, as far as the first one from which a new step begins.
+    fn look_between(&mut self, step: &mut dyn Step<V>, from: f64, to: f64) -> Result<Option<Cut>, IntegrationError> {
+        for index in 0..self.events.len() {
+            if self.events[index].side == 0.0 {
+                self.leave_zero(step, index, from, to)?;
+            }
+        }
+        step.interpolate(to, &mut self.there)?;
+        for index in 0..self.events.len() {
+            let value = self.value(index, to, from)?;
+            let event = &mut self.events[index];
+            // What has not left zero yet still has to, beyond rounding.
+            let zero = event.side == 0.0 && value.abs() <= 8.0 * event.residue;
+            event.next = if zero { 0.0 } else { sign(value) };
+            event.travel = (value - event.value).abs();
+            event.value = value;
+        }
+        for index in 0..self.events.len() {
+            let event = &self.events[index];
+            let has_root = event.is_armed() && event.next != event.side;
+            self.events[index].root = if has_root { self.locate(step, index, to)? } else { f64::NAN };
+        }
+        // NaN is no minimum.
+        while let Some(time) = self.first_root(to >= from) {
+            step.interpolate(time, &mut self.there)?;
+            self.gather(time, to - from)?;
+            let cut = self.happen(time)?;
+            if cut.is_some() {
+                return Ok(cut);
+            }
+        }
+        for event in self.events.iter_mut() {
+            (event.side, event.since) = (event.next, to);
+        }
+        Ok(None)
+    }
+
+    /// The signs at the beginning of a step in the direction `way` after a jump, or of the first one; the state is
+    /// `there`.
+    fn arm(&mut self, start: f64, way: f64) -> Result<(), IntegrationError> {
         for index in 0..self.events.len() {
             let value = self.value(index, start, start)?;
             let event = &mut self.events[index];
-            event.since = start;
-            let change = (value - event.value).abs();
-            event.value = value;
+            let (change, waits) = ((value - event.value).abs(), event.waits(start, way));
+            (event.value, event.since) = (value, start);
             // A correction keeps the side: where it passes zero the event happens, where it leads back it has happened.
-            if self.replaced && event.side != 0.0 && change <= event.travel {
+            if self.start == Start::Corrected && change <= event.travel {
                 continue;
             }
-            event.side = sign(value);
-            if event.last == start && value.abs() <= 8.0 * event.residue {
+            let unchanged = self.start == Start::Cut && change == 0.0;
+            if waits && (unchanged || value.abs() <= 8.0 * event.residue) {
                 event.side = 0.0;
-            } else {
-                event.residue = 0.0;
+            } else if !unchanged || value != 0.0 {
+                (event.side, event.residue) = (sign(value), 0.0);
             }
         }
         Ok(())
@@ -368,6 +403,22 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         roots.reduce(|x, y| if forwards { x.min(y) } else { x.max(y) })
     }
 
+    /// Gives this root to the events that have reached zero there, too: for the clock, or by their functions at the
+    /// state `there`.
+    fn gather(&mut self, time: f64, way: f64) -> Result<(), IntegrationError> {
+        for index in 0..self.events.len() {
+            let value = self.value(index, time, time)?;
+            let event = &mut self.events[index];
+            event.reached = value;
+            let near = (event.root - time).abs() <= resolution(event.root, time);
+            let passed = !event.root.is_nan() && event.side * value <= 0.0 && !event.waits(time, way);
+            if near || passed {
+                event.root = time;
+            }
+        }
+        Ok(())
+    }
+
     /// Lets the events with this root happen, at the state `there`.
     fn happen(&mut self, time: f64) -> Result<Option<Cut>, IntegrationError> {
         self.after.copy_from(&self.there);
@@ -376,11 +427,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             if self.events[index].root != time {
                 continue;
             }
-            let value = self.value(index, time, time)?;
             let event = &mut self.events[index];
             let too_soon = (time - event.last).abs() <= resolution(time, event.last);
-            let response = event.happen(value, &mut self.after);
-            event.root = f64::NAN;
+            let response = event.happen(&mut self.after);
             let jump = !equal(&self.after, &self.there);
             if !jump {
                 event.gap = f64::INFINITY;
@@ -395,7 +444,13 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             restart |= response == Response::Restart;
             changed |= jump;
         }
-        Ok((stop || restart || changed).then_some(Cut { time, stop, changed }))
+        if !(stop || restart || changed) {
+            return Ok(None);
+        }
+        for event in self.events.iter_mut() {
+            event.value = event.reached;
+        }
+        Ok(Some(Cut { time, stop, changed }))
     }
 
     /// The event's function at the state `there`; where it is not finite, the last good time is `good`.

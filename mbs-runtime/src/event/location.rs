@@ -29,7 +29,10 @@ impl<V: Coordinates> Watch<'_, '_, V> {
             } else if value * previous.signum() > previous.abs() && previous != 0.0 {
                 (event.side, event.since) = (sign(value), time);
                 // An impact that leads through the surface all the same, soon after the one before, was the last one.
-                if event.last == from && event.side != event.came && event.gap.abs() < 1e3 * distance {
+                if (event.last - from).abs() <= resolution(event.last, from)
+                    && event.side != event.came
+                    && event.gap.abs() < 1e3 * distance
+                {
                     return Err(IntegrationError::EventsAccumulate { time: from, event: index });
                 }
                 return Ok(());
