@@ -45,7 +45,7 @@ impl<V: Coordinates> Watch<'_, '_, V> {
     }
 
     /// The time between `since` and `to` at which the event's function changes its sign: the last one found before it,
-    /// or where it is zero.
+    /// or the first one at which it is zero.
     ///
     /// ITP: bisection, where the regula falsi, moved towards the middle, has a say as long as it does no harm.
     pub(super) fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<f64, IntegrationError> {
@@ -60,10 +60,11 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         let tolerance = f64::EPSILON * a.abs().max(b.abs());
         let pull = 0.2 / (b - a).abs();
         let mut bound = tolerance.max(f64::MIN_POSITIVE);
-        while bound < (b - a).abs() {
+        // One iteration more than bisection, so that the regula falsi has its say from the start.
+        while bound < 2.0 * (b - a).abs() {
             bound *= 2.0;
         }
-        while (b - a).abs() > 2.0 * tolerance && at_b != 0.0 {
+        while (b - a).abs() > 2.0 * tolerance {
             let (middle, width) = (a + 0.5 * (b - a), (b - a).abs());
             let falsi = if at_a > 0.0 { a + (b - a) * (at_a / (at_a - at_b)) } else { middle };
             let inwards = middle - falsi;

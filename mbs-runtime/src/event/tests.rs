@@ -3,6 +3,8 @@ use std::vec::Vec;
 use super::*;
 use crate::{Dop853, Dopri5, GaussLegendre4, Integrator, Rk4, SemiImplicitEuler, StormerVerlet, Summary};
 
+mod rounding;
+
 type One = State<[f64; 1]>;
 
 fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {
@@ -350,67 +352,6 @@ fn events_at_one_time_all_happen() {
     Dop853::new(1e-9, 1e-9).integrate_with_events(straight, 0.0, 4.0, &mut state, &mut walls, go_on).unwrap();
     assert!((state.q[0] - 5.0).abs() < 1e-12 && (state.q[1] - 2.5).abs() < 1e-12, "{state:?}");
     assert_eq!([walls[0].count(), walls[1].count()], [1, 1]);
-}
-
-/// Two balls fall equally deep onto floors of their own, and bounce at the same times but for rounding.
-#[test]
-fn what_happens_at_one_time_but_for_rounding_is_not_lost() {
-    fn check<T: crate::Real>(integrator: &impl Integrator<T>, h: f64, floor: f64) {
-        let mut bounces = [0, 1].map(|i| {
-            move |_: f64, balls: &mut State<[T; 2]>| {
-                balls.qd[i] = balls.qd[i] * T::from_f64(-0.8);
-                Response::Continue
-            }
-        });
-        let [first, second] = &mut bounces;
-        let low = |_: f64, balls: &State<[T; 2]>| balls.q[0].to_f64();
-        let high = |_: f64, balls: &State<[T; 2]>| (balls.q[1] - T::from_f64(floor)).to_f64();
-        let mut floors =
-            [Event::new(&low).falling().with_action(first), Event::new(&high).falling().with_action(second)];
-        let mut balls = State::new([h, h + floor].map(T::from_f64), [T::zero(); 2]);
-        let fall = |_: T, _: &[T; 2], _: &[T; 2], qdd: &mut [T; 2]| *qdd = [T::from_f64(-9.81); 2];
-        // They land at √(2h/g), and after 2.6 and 3.88 times as long.
-        let t_end = 3.0 * (2.0 * h / 9.81).sqrt();
-        integrator.integrate_with_events(fall, 0.0, t_end, &mut balls, &mut floors, go_on).unwrap();
-        assert_eq!([floors[0].count(), floors[1].count()], [2, 2], "{h} {floor}: {balls:?}");
-    }
-    check::<f64>(&Dopri5::new(1e-8, 1e-10), 4.35, 0.44);
-    for k in 1..300 {
-        let (h, floor) = (0.03 * f64::from(k), 0.17 * f64::from(k % 20 - 10));
-        check::<f64>(&Dop853::new(1e-10, 1e-12), h, floor);
-        check::<f64>(&Rk4::new(0.05), h, floor);
-        check::<f32>(&Dopri5::new(1e-5, 1e-6), h, floor);
-        check::<f32>(&GaussLegendre4::new(0.05), h, floor);
-    }
-}
-
-/// One event is counted, the other one begins a new step at the same place, whose function is written differently.
-#[test]
-fn a_surface_written_twice_is_passed_once() {
-    fn check(w: f64, phase: f64, level: f64, t_end: f64, second: &dyn Fn(f64, &One) -> f64) {
-        let first = |_: f64, state: &One| state.q[0] - level;
-        let mut restart = |_, _: &mut One| Response::Restart;
-        let mut events = [Event::new(&first), Event::new(second).with_action(&mut restart)];
-        let mut state = State::new([phase.cos()], [-w * phase.sin()]);
-        let swing = |_: f64, q: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = -w * w * q[0];
-        Dop853::new(1e-10, 1e-12).integrate_with_events(swing, 0.0, t_end, &mut state, &mut events, go_on).unwrap();
-        // cos α = level at α = ± acos level + 2πk.
-        let passed = |angle: f64| {
-            let turns = |alpha: f64| ((alpha - angle) / core::f64::consts::TAU).floor();
-            turns(w * t_end + phase) - turns(phase)
-        };
-        let expected = (passed(level.acos()) + passed(-level.acos())) as usize;
-        assert_eq!([events[0].count(), events[1].count()], [expected; 2], "{w} {phase} {level}");
-    }
-    let (w, level) = (2.6212017531536516, -0.8114746661045938);
-    check(w, 2.9475111657203845, level, 30.0, &|_, state| state.q[0].sin() - level.sin());
-    for k in 0..60 {
-        let (w, level) = (0.5 + 0.061 * f64::from(k), (0.37 * f64::from(k)).sin());
-        for phase in [0.3, 2.1] {
-            check(w, phase, level, 20.0, &|_, state| state.q[0].sin() - level.sin());
-            check(w, phase, level, 20.0, &|_, state| (state.q[0] - level).powi(3));
-        }
-    }
 }
 
 #[test]
