@@ -20,6 +20,8 @@
 //!   more is a jump, and passing zero with it no event.
 //! - After an action that changes the state, or says [`Response::Restart`], the rest of the step is dropped, and the
 //!   integration goes on from the state it left.
+//! - An event that ends the integration ends it right behind its zero, so that it does not happen again where the
+//!   motion is gone on with; where an action has changed the state, as at an impact, right before it.
 //! - Impacts that accumulate (Zeno: a ball that comes to rest) end with
 //!   [`EventsAccumulate`](IntegrationError::EventsAccumulate) when they can no longer be told apart. An action that
 //!   leaves the motion at rest on a surface has to take away the force into it as well.
@@ -120,8 +122,9 @@ pub struct Event<'a, V> {
     travel: f64,
     /// Its value at the root looked at, before the actions.
     reached: f64,
-    /// When it happens in the part of the step that is looked at, or NaN.
+    /// When it happens in the part of the step that is looked at, or NaN; and the first time found behind it.
     root: f64,
+    behind: f64,
     /// When it happened last; NaN where it has not.
     last: f64,
     /// The sign it came from then, and the time since it had happened before, infinite where that is no impact.
@@ -148,6 +151,7 @@ impl<'a, V> Event<'a, V> {
             travel: 0.0,
             reached: f64::NAN,
             root: f64::NAN,
+            behind: f64::NAN,
             last: f64::NAN,
             came: 0.0,
             gap: f64::INFINITY,
@@ -358,15 +362,17 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for index in 0..self.events.len() {
             let event = &self.events[index];
             let has_root = event.is_armed() && event.next != event.side;
-            self.events[index].root = if has_root { self.locate(step, index, to)? } else { f64::NAN };
+            self.events[index].root = f64::NAN;
+            if has_root {
+                self.locate(step, index, to)?;
+            }
         }
         // NaN is no minimum.
         while let Some(time) = self.first_root(to >= from) {
             step.interpolate(time, &mut self.there)?;
             self.gather(time, to - from)?;
-            let cut = self.happen(time)?;
-            if cut.is_some() {
-                return Ok(cut);
+            if let Some(cut) = self.happen(time)? {
+                return if cut.stop && !cut.changed { self.pass(step, cut).map(Some) } else { Ok(Some(cut)) };
             }
         }
         for event in self.events.iter_mut() {
@@ -451,6 +457,23 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             event.value = event.reached;
         }
         Ok(Some(Cut { time, stop, changed }))
+    }
+
+    /// Moves the end of the integration behind the events that have just happened: they do not happen again where it is
+    /// gone on with.
+    fn pass(&mut self, step: &mut dyn Step<V>, cut: Cut) -> Result<Cut, IntegrationError> {
+        let happened = |event: &&mut Event<'a, V>| event.last == cut.time;
+        let far = |time: f64| (time - cut.time).abs();
+        let mut time = cut.time;
+        for event in self.events.iter_mut().filter(happened) {
+            time = if far(event.behind) > far(time) { event.behind } else { time };
+        }
+        for event in self.events.iter_mut().filter(happened) {
+            event.last = time;
+        }
+        step.interpolate(time, &mut self.there)?;
+        self.after.copy_from(&self.there);
+        Ok(Cut { time, ..cut })
     }
 
     /// The event's function at the state `there`; where it is not finite, the last good time is `good`.

@@ -44,11 +44,11 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         Ok(())
     }
 
-    /// The time between `since` and `to` at which the event's function changes its sign: the last one found before it,
-    /// or the first one at which it is zero.
+    /// Finds the time between `since` and `to` at which the event's function changes its sign: the last one before it, or
+    /// the first one at which it is zero.
     ///
     /// ITP: bisection, where the regula falsi, moved towards the middle, has a say as long as it does no harm.
-    pub(super) fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<f64, IntegrationError> {
+    pub(super) fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<(), IntegrationError> {
         let Event { side, since, .. } = self.events[index];
         // The function positive before the root and negative after; rounding errors do not count.
         let mut value = |time: f64| -> Result<f64, IntegrationError> {
@@ -83,7 +83,9 @@ impl<V: Coordinates> Watch<'_, '_, V> {
             }
             bound *= 0.5;
         }
-        Ok(if at_b == 0.0 { b } else { a })
+        let event = &mut self.events[index];
+        (event.root, event.behind) = (if at_b == 0.0 { b } else { a }, b);
+        Ok(())
     }
 }
 

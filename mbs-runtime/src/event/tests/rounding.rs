@@ -93,3 +93,35 @@ fn a_function_that_stays_zero_happens_where_it_reaches_zero() {
     check(&Rk4::new(0.01));
     check(&GaussLegendre4::new(0.01));
 }
+
+/// A motion that a terminal event has ended is gone on with from there: the event does not happen again at once.
+#[test]
+fn a_motion_goes_on_behind_its_terminal_event() {
+    fn check(integrator: &impl Integrator<f64>, tolerance: f64) {
+        for level in [0.0, 0.3, -0.7, 0.9995_f64] {
+            let direct = move |_: f64, state: &One| state.q[0] - level;
+            let curved = move |_: f64, state: &One| state.q[0].sin() - level.sin();
+            for function in [&direct as &dyn Fn(f64, &One) -> f64, &curved] {
+                let (mut t, mut state) = (0.0, State::new([1.0], [0.0]));
+                for turn in 0..6 {
+                    // cos α = level at α = ± acos level + 2πk.
+                    let turn = core::f64::consts::TAU * f64::from(turn);
+                    for expected in [turn + level.acos(), turn + core::f64::consts::TAU - level.acos()] {
+                        let mut events = [Event::new(function).terminal(), Event::new(&direct)];
+                        let summary = integrator
+                            .integrate_with_events(oscillate, t, 100.0, &mut state, &mut events, go_on)
+                            .unwrap();
+                        t = summary.time;
+                        assert!((t - expected).abs() < tolerance, "{level}: {t} for {expected}");
+                        assert_eq!([&events[0], &events[1]].map(Event::last_time), [Some(t); 2]);
+                        assert_eq!([events[0].count(), events[1].count()], [1, 1]);
+                    }
+                }
+            }
+        }
+    }
+    check(&Dop853::new(1e-10, 1e-12), 1e-6);
+    check(&Dopri5::new(1e-10, 1e-12), 1e-6);
+    check(&Rk4::new(0.01), 1e-5);
+    check(&GaussLegendre4::new(0.01), 1e-5);
+}
