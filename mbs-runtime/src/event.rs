@@ -295,6 +295,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         let cut = self.look(step).map_err(IntegrationError::widen)?;
         let mut part = Part { whole: step, there: &self.there, cut, origin: None, fault: None };
         let answer = observer(&mut part);
+        if let Ok(ControlFlow::Break(time)) = answer {
+            part.check_end(time);
+        }
         let (end, Part { origin, fault, .. }) = (part.time(), part);
         if let Some(error) = fault {
             if let Some(Cut { time, .. }) = cut {
@@ -302,23 +305,25 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             }
             return Err(error.widen());
         }
-        let answer = answer?;
         self.start = match origin {
             None if cut.is_some() => Start::Cut,
             None => Start::Same,
             Some(time) if time == end => Start::Corrected,
             Some(_) => Start::Jump,
         };
-        Ok(match (answer, cut) {
-            (ControlFlow::Continue(()), Some(cut)) => {
-                let time = origin.unwrap_or(cut.time);
-                if origin.is_none() {
-                    step.restart(time, &self.after).map_err(IntegrationError::widen)?;
-                }
-                if cut.stop { ControlFlow::Break(time) } else { ControlFlow::Continue(()) }
-            }
-            (answer, _) => answer,
-        })
+        let Some(cut) = cut else { return answer };
+        let time = match &answer {
+            Ok(ControlFlow::Continue(())) => origin.unwrap_or(cut.time),
+            Ok(ControlFlow::Break(time)) => *time,
+            Err(error) => error.time().unwrap_or(cut.time),
+        };
+        if time == cut.time && origin != Some(time) {
+            step.restart(time, &self.after).map_err(IntegrationError::widen)?;
+        }
+        match answer {
+            Ok(ControlFlow::Continue(())) if cut.stop => Ok(ControlFlow::Break(time)),
+            answer => answer,
+        }
     }
 
     /// Lets the events of the step happen, as far as the first one from which a new step begins.

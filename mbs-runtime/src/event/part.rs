@@ -25,6 +25,14 @@ impl<V: Coordinates> Part<'_, V> {
         self.refuse(IntegrationError::InvalidTime { time: t })
     }
 
+    /// Refuses to end after the cut.
+    pub(super) fn check_end(&mut self, t: f64) {
+        if self.fault.is_none() {
+            // The integration ends with the error.
+            let _ = self.check(t);
+        }
+    }
+
     /// Refuses states to go on from that are not finite.
     fn check_state(&mut self, state: &State<V>) -> Result<(), IntegrationError> {
         if state.is_finite() {

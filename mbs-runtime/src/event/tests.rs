@@ -434,8 +434,39 @@ fn the_observer_stops_and_replaces_as_ever() {
     });
     let Err(IntegrationError::NonFiniteState { time }) = result else { panic!("{result:?}") };
     assert!((time - core::f64::consts::FRAC_PI_2).abs() < 1e-9 && state.q[0].abs() < 1e-12, "{state:?}");
-    // Times after the cut are outside the step.
+}
+
+/// A ball from 5 m bounces at 1 s, and each of three observers ends its step there, or tries to.
+#[test]
+fn an_observer_ends_no_later_than_the_event() {
+    fn ended(end: impl Fn(f64) -> Result<ControlFlow<f64>, char>) -> (Result<Summary, IntegrationError<char>>, One) {
+        let mut bounce = |_, ball: &mut One| {
+            ball.qd[0] *= -0.5;
+            Response::Continue
+        };
+        let mut floor = [Event::new(&height).falling().with_action(&mut bounce)];
+        let mut ball = State::new([5.0], [0.0]);
+        let method = Dop853 { first_step: Some(1.5), ..Dop853::new(1e-9, 1e-9) };
+        let result = method.integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut floor, |step| end(step.time()));
+        assert_eq!(floor[0].count(), 1);
+        (result, ball)
+    }
+    let (late, ball) = ended(|_| Ok(ControlFlow::Break(1.2)));
+    assert_eq!(late, Err(IntegrationError::InvalidTime { time: 1.2 }));
+    assert!(ball.q[0].abs() < 1e-12, "{ball:?}");
+    // The action has been called, and so the state is the one that it left.
+    let (there, ball) = ended(|time| Ok(ControlFlow::Break(time)));
+    assert!((there.unwrap().time - 1.0).abs() < 1e-12 && (ball.qd[0] - 5.0).abs() < 1e-10, "{ball:?}");
+    let (refused, ball) = ended(|_| Err('x'));
+    assert!(matches!(refused, Err(IntegrationError::Stopped { error: 'x', .. })) && (ball.qd[0] - 5.0).abs() < 1e-10);
+    let (before, ball) = ended(|_| Ok(ControlFlow::Break(0.5)));
+    assert!(before.unwrap().time == 0.5 && (ball.q[0] - 3.75).abs() < 1e-12, "{ball:?}");
+}
+
+#[test]
+fn times_after_an_event_are_outside_the_step() {
     let mut stop = [Event::new(&height).terminal()];
+    let dop853 = Dop853::new(1e-10, 1e-12);
     let result = dop853.integrate_with_events(oscillate, 0.0, 9.0, &mut State::new([1.0], [0.0]), &mut stop, |step| {
         let mut there = State::default();
         if step.time() > 1.57 && step.interpolate(step.time() + 1e-9, &mut there).is_ok() {
