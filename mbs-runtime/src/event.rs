@@ -26,7 +26,8 @@
 //!   [`EventsAccumulate`](IntegrationError::EventsAccumulate) when they can no longer be told apart. An action that
 //!   leaves the motion at rest on a surface has to take away the force into it as well.
 //!
-//! The step control does not see events. An error-controlled step is made over an impact first, and cut there.
+//! The step control does not see events. An error-controlled step is made over an impact first, and cut there: behind
+//! it the functions need not be finite.
 //!
 //! Source: E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, section
 //! II.6 (event location); I. F. D. Oliveira and R. H. C. Takahashi, *An enhancement of the bisection method average
@@ -115,7 +116,7 @@ pub struct Event<'a, V> {
     /// The sign of the function at the time `since`; 0 where it has not left zero yet.
     side: f64,
     since: f64,
-    /// Its sign at the next place looked at.
+    /// Its sign at the next place looked at; NaN where it is not finite on the way there.
     next: f64,
     /// Its value at the last place looked at, and how far it had come there from the place before.
     value: f64,
@@ -217,6 +218,22 @@ impl<'a, V> Event<'a, V> {
     /// Whether it has not left zero at the time `time` yet, on the way that leads in the direction `way`.
     fn waits(&self, time: f64, way: f64) -> bool {
         self.side == 0.0 || (self.since - time) * way > 0.0
+    }
+
+    /// Sees the state at the next place, the time `to`.
+    fn look(&mut self, to: f64, state: &State<V>) {
+        let value = (self.function)(to, state);
+        // What has not left zero yet still has to, beyond rounding.
+        let zero = self.side == 0.0 && value.abs() <= 8.0 * self.residue;
+        self.next = if zero {
+            0.0
+        } else if value.is_finite() {
+            sign(value)
+        } else {
+            f64::NAN
+        };
+        self.travel = (value - self.value).abs();
+        self.value = value;
     }
 
     /// It happens at the time `root`; whether the integration goes on from there or ends, if either.
@@ -355,35 +372,48 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             }
         }
         step.interpolate(to, &mut self.there)?;
-        for index in 0..self.events.len() {
-            let value = self.value(index, to, from)?;
-            let event = &mut self.events[index];
-            // What has not left zero yet still has to, beyond rounding.
-            let zero = event.side == 0.0 && value.abs() <= 8.0 * event.residue;
-            event.next = if zero { 0.0 } else { sign(value) };
-            event.travel = (value - event.value).abs();
-            event.value = value;
+        for event in self.events.iter_mut() {
+            event.look(to, &self.there);
         }
+        let mut good = from;
         for index in 0..self.events.len() {
-            let event = &self.events[index];
-            let has_root = event.is_armed() && event.next != event.side;
-            self.events[index].root = f64::NAN;
-            if has_root {
-                self.locate(step, index, to)?;
-            }
+            self.find_root(step, index, to)?;
         }
         // NaN is no minimum.
         while let Some(time) = self.first_root(to >= from) {
             step.interpolate(time, &mut self.there)?;
-            self.gather(time, to - from)?;
+            if self.gather(step, time, good, to - from)? {
+                continue;
+            }
             if let Some(cut) = self.happen(time)? {
                 return if cut.stop && !cut.changed { self.pass(step, cut).map(Some) } else { Ok(Some(cut)) };
             }
+            good = time;
+        }
+        // No cut lies before the place where a function is not finite: the motion gets there.
+        if let Some(event) = self.events.iter().position(|event| event.next.is_nan()) {
+            return Err(IntegrationError::NonFiniteEvent { time: good, event });
         }
         for event in self.events.iter_mut() {
             (event.side, event.since) = (event.next, to);
         }
         Ok(None)
+    }
+
+    /// Finds the root of an event before the place `to` that has just been looked at, if there is one.
+    fn find_root(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<(), IntegrationError> {
+        let event = &mut self.events[index];
+        event.root = f64::NAN;
+        if !event.is_armed() || event.next == event.side || event.next.is_nan() {
+            return Ok(());
+        }
+        match self.locate(step, index, to) {
+            Err(IntegrationError::NonFiniteEvent { .. }) => {
+                self.events[index].next = f64::NAN;
+                Ok(())
+            }
+            result => result,
+        }
     }
 
     /// The signs at the beginning of a step in the direction `way` after a jump, or of the first one; the state is
@@ -415,19 +445,23 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     }
 
     /// Gives this root to the events that have reached zero there, too: for the clock, or by their functions at the
-    /// state `there`.
-    fn gather(&mut self, time: f64, way: f64) -> Result<(), IntegrationError> {
+    /// state `there`. True where an earlier root was found instead, of a function that is not finite behind.
+    fn gather(&mut self, step: &mut dyn Step<V>, time: f64, good: f64, way: f64) -> Result<bool, IntegrationError> {
         for index in 0..self.events.len() {
-            let value = self.value(index, time, time)?;
+            let value = self.value(index, time, good)?;
             let event = &mut self.events[index];
             event.reached = value;
-            let near = (event.root - time).abs() <= resolution(event.root, time);
-            let passed = !event.root.is_nan() && event.side * value <= 0.0 && !event.waits(time, way);
-            if near || passed {
+            let passed = event.side * value <= 0.0 && event.is_armed() && !event.waits(time, way);
+            if event.root.is_nan() {
+                if passed && value != 0.0 && event.next.is_nan() {
+                    self.locate(step, index, time)?;
+                    return Ok(true);
+                }
+            } else if passed || (event.root - time).abs() <= resolution(event.root, time) {
                 event.root = time;
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Lets the events with this root happen, at the state `there`.

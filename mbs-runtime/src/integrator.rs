@@ -288,7 +288,7 @@ pub trait Integrator<T: Scalar> {
     /// ```
     ///
     /// # Errors
-    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
+    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN where the motion gets to,
     /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`]
     /// if an action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
     fn integrate_with_events<V, F, R, O, A>(

@@ -22,7 +22,8 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         while distance < length.abs() {
             let time = from + distance.copysign(length);
             step.interpolate(time, &mut self.there)?;
-            let value = self.value(index, time, from)?;
+            // The motion may be cut before it gets there.
+            let Ok(value) = self.value(index, time, from) else { return Ok(()) };
             let event = &mut self.events[index];
             if value.abs() <= 8.0 * event.residue {
                 previous = 0.0;

@@ -382,6 +382,51 @@ fn what_goes_wrong_is_an_error() {
     assert_eq!(result, Err(IntegrationError::NonFiniteState { time: 0.0 }));
 }
 
+/// Under the floor, where a step leads before it is cut at the impact, a function may be what it likes.
+#[test]
+fn a_place_that_the_motion_never_reaches_is_no_error() {
+    fn check(integrator: &impl Integrator<f64>) {
+        let mut bounce = |_, ball: &mut One| {
+            ball.qd[0] *= -0.5;
+            Response::Continue
+        };
+        let (mut times, mut sides) = (Vec::new(), Vec::new());
+        let mut note = |t, _: &mut One| {
+            times.push(t);
+            Response::Continue
+        };
+        let mut note_side = |t, _: &mut One| {
+            sides.push(t);
+            Response::Restart
+        };
+        let mut events = [
+            Event::new(&height).falling().with_action(&mut bounce),
+            Event::new(&|_, ball: &One| ball.q[0].sqrt() - 0.5).with_action(&mut note),
+            Event::new(&|_, ball: &One| 0.5 - ball.q[0].sqrt()).with_action(&mut note_side),
+        ];
+        let mut ball = State::new([5.0], [0.0]);
+        integrator.integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on).unwrap();
+        // 5 − 5t² = 1/4, and 5s − 5s² = 1/4 with s = t − 1, which is highest at the end.
+        let expected = [0.95_f64.sqrt(), 1.0 + 0.5 * (1.0 - 0.8_f64.sqrt())];
+        for times in [times, sides] {
+            assert!(times.len() == 2 && times.iter().zip(expected).all(|(t, e)| (t - e).abs() < 1e-12), "{times:?}");
+        }
+        assert!((ball.q[0] - 1.25).abs() < 1e-10, "{ball:?}");
+    }
+    check(&Dop853::new(1e-9, 1e-9));
+    check(&Dopri5::new(1e-9, 1e-9));
+    check(&Rk4::new(0.3));
+    check(&Rk4::new(5.0));
+    check(&GaussLegendre4::new(0.7));
+    // Without a floor it gets there: the event before has happened, and what is left is the last good state.
+    let mut ball = State::new([5.0], [0.0]);
+    let mut events = [Event::new(&|_, ball: &One| ball.q[0].sqrt() - 0.5), Event::new(&|t, _: &One| t - 0.95)];
+    let result = Rk4::new(1.5).integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on);
+    let Err(IntegrationError::NonFiniteEvent { time, event: 0 }) = result else { panic!("{result:?}") };
+    assert!((time - 0.95).abs() < 1e-15 && (ball.q[0] - 0.4875).abs() < 1e-12, "{time} {ball:?}");
+    assert_eq!(events[1].count(), 1);
+}
+
 #[test]
 fn the_observer_stops_and_replaces_as_ever() {
     let mut state = State::new([1.0], [0.0]);
