@@ -382,7 +382,7 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         // NaN is no minimum.
         while let Some(time) = self.first_root(to >= from) {
             step.interpolate(time, &mut self.there)?;
-            if self.gather(step, time, good, to - from)? {
+            if self.gather(step, time, to - from)? {
                 continue;
             }
             if let Some(cut) = self.happen(time)? {
@@ -446,19 +446,17 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
 
     /// Gives this root to the events that have reached zero there, too: for the clock, or by their functions at the
     /// state `there`. True where an earlier root was found instead, of a function that is not finite behind.
-    fn gather(&mut self, step: &mut dyn Step<V>, time: f64, good: f64, way: f64) -> Result<bool, IntegrationError> {
+    fn gather(&mut self, step: &mut dyn Step<V>, time: f64, way: f64) -> Result<bool, IntegrationError> {
         for index in 0..self.events.len() {
-            let value = self.value(index, time, good)?;
             let event = &mut self.events[index];
-            event.reached = value;
-            let passed = event.side * value <= 0.0 && event.is_armed() && !event.waits(time, way);
-            if event.root.is_nan() {
-                if passed && value != 0.0 && event.next.is_nan() {
-                    self.locate(step, index, time)?;
-                    return Ok(true);
-                }
-            } else if passed || (event.root - time).abs() <= resolution(event.root, time) {
+            event.reached = (event.function)(time, &self.there);
+            let passed = event.side * event.reached <= 0.0 && event.is_armed() && !event.waits(time, way);
+            let width = (event.behind - event.root).abs().max(resolution(event.root, time));
+            if !event.root.is_nan() && (passed || (event.root - time).abs() <= width) {
                 event.root = time;
+            } else if event.next.is_nan() && passed && event.reached != 0.0 {
+                self.locate(step, index, time)?;
+                return Ok(true);
             }
         }
         Ok(false)

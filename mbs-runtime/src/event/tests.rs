@@ -452,7 +452,7 @@ fn the_observer_stops_and_replaces_as_ever() {
         .unwrap();
     assert!(replaced && events[0].count() == 0 && state.q[0] < 0.0);
     // A correction is no jump: what it leads past zero happens, what it leads back has happened. Steps end at 1.
-    for (level, correction) in [(1.0001, 2e-4), (0.9999, -2e-4)] {
+    for (level, correction) in [(1.0001, 2e-4), (0.9999, -2e-4), (1.0, -2e-4)] {
         let ahead = |_: f64, state: &One| state.q[0] - level;
         let mut passed = [Event::new(&ahead), Event::new(&ahead).rising()];
         let mut state = State::new([0.0], [1.0]);

@@ -125,3 +125,23 @@ fn a_motion_goes_on_behind_its_terminal_event() {
     check(&Rk4::new(0.01), 1e-5);
     check(&GaussLegendre4::new(0.01), 1e-5);
 }
+
+/// A projection at the cut of an event that begins a new step leads back over the surface: the event has happened.
+#[test]
+fn a_correction_at_the_cut_does_not_repeat_the_event() {
+    for correction in [-1e-6, 1e-6, 0.0] {
+        let mut restart = |_, _: &mut One| Response::Restart;
+        let ahead = |_: f64, state: &One| state.q[0] - 0.83;
+        let mut passed = [Event::new(&ahead).with_action(&mut restart), Event::new(&ahead)];
+        let mut state = State::new([0.0], [1.0]);
+        let drift = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 0.0;
+        Rk4::new(0.25)
+            .integrate_with_events(drift, 0.0, 2.0, &mut state, &mut passed, |step| {
+                let State { q, qd } = *step.state();
+                step.replace(&State::new([q[0] + correction], qd));
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!([passed[0].count(), passed[1].count()], [1, 1], "{correction}");
+    }
+}
