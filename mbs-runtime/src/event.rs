@@ -429,7 +429,8 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
                 continue;
             }
             let unchanged = self.start == Start::Cut && change == 0.0;
-            if waits && (unchanged || value.abs() <= 8.0 * event.residue) {
+            let passed = event.last.is_finite() && value * event.came < 0.0;
+            if waits && (unchanged && !passed || value.abs() <= 8.0 * event.residue) {
                 event.side = 0.0;
             } else if !unchanged || value != 0.0 {
                 (event.side, event.residue) = (sign(value), 0.0);

@@ -145,3 +145,22 @@ fn a_correction_at_the_cut_does_not_repeat_the_event() {
         assert_eq!([passed[0].count(), passed[1].count()], [1, 1], "{correction}");
     }
 }
+
+/// A level just above the floor is passed in the eighth of a step in which the ball bounces, and again on the way up.
+#[test]
+fn a_level_is_passed_on_both_sides_of_an_impact() {
+    for step in [0.05, 0.3, 0.8] {
+        let mut bounce = |_, ball: &mut One| {
+            ball.qd[0] *= -0.8;
+            Response::Continue
+        };
+        for level in [0.02, 0.1, 0.3] {
+            let above = |_: f64, ball: &One| ball.q[0] - level;
+            let mut events = [Event::new(&height).falling().with_action(&mut bounce), Event::new(&above)];
+            let mut ball = State::new([5.0], [0.0]);
+            // It bounces at 1 s, 2.6 s and 3.88 s, and is on its way up again until 4.392 s.
+            Rk4::new(step).integrate_with_events(fall, 0.0, 4.3, &mut ball, &mut events, go_on).unwrap();
+            assert_eq!([events[0].count(), events[1].count()], [3, 6], "{step} {level}: {ball:?}");
+        }
+    }
+}
