@@ -375,10 +375,10 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for event in self.events.iter_mut() {
             event.look(to, &self.there);
         }
-        let mut good = from;
         for index in 0..self.events.len() {
             self.find_root(step, index, to)?;
         }
+        let mut good = from;
         // NaN is no minimum.
         while let Some(time) = self.first_root(to >= from) {
             step.interpolate(time, &mut self.there)?;
