@@ -21,7 +21,8 @@ pub enum IntegrationError<E = Infallible> {
         /// The absolute tolerance given.
         absolute: f64,
     },
-    /// A fixed step, or a limit of the step, is zero, negative or NaN.
+    /// A fixed step, or a limit of the step, is zero, negative or NaN; or the longest step is below the shortest one, or
+    /// below the resolution of the time.
     InvalidStep {
         /// The step given \[s\].
         step: f64,
@@ -45,7 +46,7 @@ pub enum IntegrationError<E = Infallible> {
         velocities: usize,
     },
     /// No step longer than the smallest one satisfies the tolerances: they ask for more than the arithmetic holds, or
-    /// the solution ends here.
+    /// the solution ends here; or the longest step has fallen below the resolution of the time.
     StepTooSmall {
         /// The time of the last accepted state \[s\].
         time: f64,
@@ -157,7 +158,9 @@ impl<E: fmt::Display> fmt::Display for IntegrationError<E> {
             Self::InvalidTolerance { relative, absolute } => {
                 write!(f, "tolerances must be positive and finite, found relative {relative:?}, absolute {absolute:?}")
             }
-            Self::InvalidStep { step } => write!(f, "a step must be positive, found {step:?} s"),
+            Self::InvalidStep { step } => {
+                write!(f, "a step must be positive, and the longest no shorter than the shortest: found {step:?} s")
+            }
             Self::InvalidGain { beta } => write!(f, "the gain of the step control is out of range: {beta:?}"),
             Self::InvalidTime { time } => {
                 write!(f, "{time:?} s is not finite, out of order, or outside the step asked")

@@ -13,17 +13,21 @@
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
 //! - Events of one step happen in the order of their times, those of the same time in the order in which they are
-//!   given.
+//!   given. Times that the clock does not tell apart are the same, and so are those of events that are all past zero,
+//!   as far as rounding lets them know, where the first of them happens.
 //! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did
 //!   is a correction, such as a projection: an event does not happen twice or not at all for it. What changes it by
 //!   more is a jump, and passing zero with it no event.
 //! - After an action that changes the state, or says [`Response::Restart`], the rest of the step is dropped, and the
 //!   integration goes on from the state it left.
+//! - An event that ends the integration ends it right behind its zero, so that it does not happen again where the
+//!   motion is gone on with; where an action has changed the state, as at an impact, right before it.
 //! - Impacts that accumulate (Zeno: a ball that comes to rest) end with
 //!   [`EventsAccumulate`](IntegrationError::EventsAccumulate) when they can no longer be told apart. An action that
 //!   leaves the motion at rest on a surface has to take away the force into it as well.
 //!
-//! The step control does not see events. An error-controlled step is made over an impact first, and cut there.
+//! The step control does not see events. An error-controlled step is made over an impact first, and cut there: behind
+//! it the functions need not be finite.
 //!
 //! Source: E. Hairer, S. P. Nørsett and G. Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. 1993, section
 //! II.6 (event location); I. F. D. Oliveira and R. H. C. Takahashi, *An enhancement of the bisection method average
@@ -33,8 +37,14 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::error::IntegrationError;
-use crate::integrator::{Observer, Step, is_between};
+use crate::integrator::{Observer, Step};
 use crate::state::{Coordinates, State};
+
+mod location;
+mod part;
+
+use location::{resolution, sign};
+use part::Part;
 
 /// Into how many parts a step is divided to look for changes of sign.
 const PARTS: usize = 8;
@@ -106,13 +116,16 @@ pub struct Event<'a, V> {
     /// The sign of the function at the time `since`; 0 where it has not left zero yet.
     side: f64,
     since: f64,
-    /// Its sign at the next place looked at.
+    /// Its sign at the next place looked at; NaN where it is not finite on the way there.
     next: f64,
     /// Its value at the last place looked at, and how far it had come there from the place before.
     value: f64,
     travel: f64,
-    /// When it happens in the part of the step that is looked at, or NaN.
+    /// Its value at the root looked at, before the actions.
+    reached: f64,
+    /// When it happens in the part of the step that is looked at, or NaN; and the first time found behind it.
     root: f64,
+    behind: f64,
     /// When it happened last; NaN where it has not.
     last: f64,
     /// The sign it came from then, and the time since it had happened before, infinite where that is no impact.
@@ -137,7 +150,9 @@ impl<'a, V> Event<'a, V> {
             next: 0.0,
             value: f64::NAN,
             travel: 0.0,
+            reached: f64::NAN,
             root: f64::NAN,
+            behind: f64::NAN,
             last: f64::NAN,
             came: 0.0,
             gap: f64::INFINITY,
@@ -190,10 +205,9 @@ impl<'a, V> Event<'a, V> {
         if self.count == 0 { None } else { Some(self.last) }
     }
 
-    /// Whether a change from `side` to `next` counts.
-    fn has_root(&self) -> bool {
+    /// Whether it counts where its function comes from `side` to zero.
+    fn is_armed(&self) -> bool {
         self.side != 0.0
-            && self.next != self.side
             && match self.direction {
                 Direction::Any => true,
                 Direction::Rising => self.side < 0.0,
@@ -201,11 +215,33 @@ impl<'a, V> Event<'a, V> {
             }
     }
 
-    /// It happens at the time `root`, at a state where the function is `value`; whether the integration goes on from
-    /// there or ends, if either.
-    fn happen(&mut self, value: f64, state: &mut State<V>) -> Response {
+    /// Whether it has not left zero at the time `time` yet, on the way that leads in the direction `way`.
+    fn waits(&self, time: f64, way: f64) -> bool {
+        self.side == 0.0 || (self.since - time) * way > 0.0
+    }
+
+    /// Sees the state at the next place, the time `to`.
+    fn look(&mut self, to: f64, state: &State<V>) {
+        let value = (self.function)(to, state);
+        // What has not left zero yet still has to, beyond rounding.
+        let zero = self.side == 0.0 && value.abs() <= 8.0 * self.residue;
+        self.next = if zero {
+            0.0
+        } else if value.is_finite() {
+            sign(value)
+        } else {
+            f64::NAN
+        };
+        self.travel = (value - self.value).abs();
+        self.value = value;
+    }
+
+    /// It happens at the time `root`; whether the integration goes on from there or ends, if either.
+    fn happen(&mut self, state: &mut State<V>) -> Response {
         self.gap = self.root - self.last;
-        (self.last, self.came, self.residue) = (self.root, self.side, value.abs());
+        (self.last, self.came, self.residue) = (self.root, self.side, self.reached.abs());
+        // It has to leave zero first.
+        (self.side, self.since, self.root) = (0.0, self.last, f64::NAN);
         self.count += 1;
         let response = self.action.as_mut().map_or(Response::Continue, |action| action(self.last, state));
         if self.terminal { Response::Stop } else { response }
@@ -225,14 +261,25 @@ impl<V> fmt::Debug for Event<'_, V> {
 /// The events of one integration.
 pub(crate) struct Watch<'e, 'a, V> {
     events: &'e mut [Event<'a, V>],
-    /// Whether the next step begins with a state that no event function has seen.
-    jumped: bool,
-    /// Whether that state stands for the end of the step before, as a projection does.
-    replaced: bool,
+    /// How the next step begins.
+    start: Start,
     /// The state at the time looked at.
     there: State<V>,
     /// The state that the actions left.
     after: State<V>,
+}
+
+/// What the state at the beginning of a step has to do with the step before.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Start {
+    /// It is where that one ended.
+    Same,
+    /// It stands for where that one ended, as a projection does.
+    Corrected,
+    /// It is where an event cut that one.
+    Cut,
+    /// Nothing.
+    Jump,
 }
 
 /// Where an event ends a step.
@@ -248,9 +295,9 @@ struct Cut {
 impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     pub(crate) fn new(events: &'e mut [Event<'a, V>], like: &State<V>) -> Self {
         for event in events.iter_mut() {
-            (event.count, event.last) = (0, f64::NAN);
+            (event.count, event.last, event.value, event.residue) = (0, f64::NAN, f64::NAN, 0.0);
         }
-        Self { events, jumped: true, replaced: false, there: like.clone(), after: like.clone() }
+        Self { events, start: Start::Jump, there: like.clone(), after: like.clone() }
     }
 
     /// Looks for events in the step, and shows the observer what is left of it.
@@ -265,6 +312,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         let cut = self.look(step).map_err(IntegrationError::widen)?;
         let mut part = Part { whole: step, there: &self.there, cut, origin: None, fault: None };
         let answer = observer(&mut part);
+        if let Ok(ControlFlow::Break(time)) = answer {
+            part.check_end(time);
+        }
         let (end, Part { origin, fault, .. }) = (part.time(), part);
         if let Some(error) = fault {
             if let Some(Cut { time, .. }) = cut {
@@ -272,19 +322,25 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             }
             return Err(error.widen());
         }
-        let answer = answer?;
-        self.jumped = origin.is_some() || cut.is_some();
-        self.replaced = cut.is_none() && origin == Some(end);
-        Ok(match (answer, cut) {
-            (ControlFlow::Continue(()), Some(cut)) => {
-                let time = origin.unwrap_or(cut.time);
-                if origin.is_none() {
-                    step.restart(time, &self.after).map_err(IntegrationError::widen)?;
-                }
-                if cut.stop { ControlFlow::Break(time) } else { ControlFlow::Continue(()) }
-            }
-            (answer, _) => answer,
-        })
+        self.start = match origin {
+            None if cut.is_some() => Start::Cut,
+            None => Start::Same,
+            Some(time) if time == end => Start::Corrected,
+            Some(_) => Start::Jump,
+        };
+        let Some(cut) = cut else { return answer };
+        let time = match &answer {
+            Ok(ControlFlow::Continue(())) => origin.unwrap_or(cut.time),
+            Ok(ControlFlow::Break(time)) => *time,
+            Err(error) => error.time().unwrap_or(cut.time),
+        };
+        if time == cut.time && origin != Some(time) {
+            step.restart(time, &self.after).map_err(IntegrationError::widen)?;
+        }
+        match answer {
+            Ok(ControlFlow::Continue(())) if cut.stop => Ok(ControlFlow::Break(time)),
+            answer => answer,
+        }
     }
 
     /// Lets the events of the step happen, as far as the first one from which a new step begins.
@@ -292,144 +348,119 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     /// `there` is then the state at that time as it was, `after` as the actions left it.
     fn look(&mut self, step: &mut dyn Step<V>) -> Result<Option<Cut>, IntegrationError> {
         let (start, end) = (step.previous_time(), step.time());
-        if self.jumped {
+        if self.start != Start::Same {
             self.there.copy_from(step.previous_state());
-            self.arm(start)?;
+            self.arm(start, end - start)?;
         }
         let mut from = start;
         for part in 1..=PARTS {
             let to = if part == PARTS { end } else { start + (end - start) * (part as f64 / PARTS as f64) };
-            for index in 0..self.events.len() {
-                if self.events[index].side == 0.0 {
-                    self.leave_zero(step, index, from, to)?;
-                }
-            }
-            step.interpolate(to, &mut self.there)?;
-            for index in 0..self.events.len() {
-                let value = self.value(index, to, from)?;
-                let event = &mut self.events[index];
-                // What has not left zero yet still has to, beyond rounding.
-                let zero = event.side == 0.0 && value.abs() <= 8.0 * event.residue;
-                event.next = if zero { 0.0 } else { sign(value) };
-                event.travel = (value - event.value).abs();
-                event.value = value;
-            }
-            for index in 0..self.events.len() {
-                let root = if self.events[index].has_root() { self.locate(step, index, to)? } else { f64::NAN };
-                self.events[index].root = root;
-            }
-            // NaN is no minimum.
-            while let Some(time) = self.first_root(end >= start) {
-                step.interpolate(time, &mut self.there)?;
-                let cut = self.happen(time)?;
-                if cut.is_some() {
-                    return Ok(cut);
-                }
-            }
-            for event in self.events.iter_mut() {
-                (event.side, event.since) = (event.next, to);
+            let cut = self.look_between(step, from, to)?;
+            if cut.is_some() {
+                return Ok(cut);
             }
             from = to;
         }
         Ok(None)
     }
 
-    /// The signs at the beginning of a step after a jump, or of the first one; the state is `there`.
-    fn arm(&mut self, start: f64) -> Result<(), IntegrationError> {
+    /// Lets the events between two neighbouring places happen, as far as the first one from which a new step begins.
+    fn look_between(&mut self, step: &mut dyn Step<V>, from: f64, to: f64) -> Result<Option<Cut>, IntegrationError> {
+        for index in 0..self.events.len() {
+            if self.events[index].side == 0.0 {
+                self.leave_zero(step, index, from, to)?;
+            }
+        }
+        step.interpolate(to, &mut self.there)?;
+        for event in self.events.iter_mut() {
+            event.look(to, &self.there);
+        }
+        for index in 0..self.events.len() {
+            self.find_root(step, index, to)?;
+        }
+        let mut good = from;
+        // NaN is no minimum.
+        while let Some(time) = self.first_root(to >= from) {
+            step.interpolate(time, &mut self.there)?;
+            if self.gather(step, time, to - from)? {
+                continue;
+            }
+            if let Some(cut) = self.happen(time)? {
+                return if cut.stop && !cut.changed { self.pass(step, cut).map(Some) } else { Ok(Some(cut)) };
+            }
+            good = time;
+        }
+        // No cut lies before the place where a function is not finite: the motion gets there.
+        if let Some(event) = self.events.iter().position(|event| event.next.is_nan()) {
+            return Err(IntegrationError::NonFiniteEvent { time: good, event });
+        }
+        for event in self.events.iter_mut() {
+            (event.side, event.since) = (event.next, to);
+        }
+        Ok(None)
+    }
+
+    /// Finds the root of an event before the place `to` that has just been looked at, if there is one.
+    fn find_root(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<(), IntegrationError> {
+        let event = &mut self.events[index];
+        event.root = f64::NAN;
+        if !event.is_armed() || event.next == event.side || event.next.is_nan() {
+            return Ok(());
+        }
+        match self.locate(step, index, to) {
+            Err(IntegrationError::NonFiniteEvent { .. }) => {
+                self.events[index].next = f64::NAN;
+                Ok(())
+            }
+            result => result,
+        }
+    }
+
+    /// The signs at the beginning of a step in the direction `way` after a jump, or of the first one; the state is
+    /// `there`.
+    fn arm(&mut self, start: f64, way: f64) -> Result<(), IntegrationError> {
         for index in 0..self.events.len() {
             let value = self.value(index, start, start)?;
             let event = &mut self.events[index];
-            event.since = start;
-            let change = (value - event.value).abs();
-            event.value = value;
+            let (change, waits) = ((value - event.value).abs(), event.waits(start, way));
+            (event.value, event.since) = (value, start);
             // A correction keeps the side: where it passes zero the event happens, where it leads back it has happened.
-            if self.replaced && event.side != 0.0 && change <= event.travel {
+            if self.start == Start::Corrected && change <= event.travel {
                 continue;
             }
-            event.side = sign(value);
-            if event.last == start && value.abs() <= 8.0 * event.residue {
+            let unchanged = self.start == Start::Cut && change == 0.0;
+            let passed = event.last.is_finite() && value * event.came < 0.0;
+            if waits && (unchanged && !passed || value.abs() <= 8.0 * event.residue) {
                 event.side = 0.0;
-            } else {
-                event.residue = 0.0;
+            } else if !unchanged || value != 0.0 {
+                (event.side, event.residue) = (sign(value), 0.0);
             }
         }
         Ok(())
-    }
-
-    /// Looks ever farther from `from` for the sign with which the event's function leaves zero.
-    ///
-    /// Two values in succession, the second the larger one, are believed, if they exceed the rounding errors.
-    fn leave_zero(&mut self, step: &mut dyn Step<V>, index: usize, from: f64, to: f64) -> Result<(), IntegrationError> {
-        let length = to - from;
-        let mut distance = (2.0 * resolution(from, to)).max(1e-14 * length.abs());
-        let mut previous = 0.0_f64;
-        while distance < length.abs() {
-            let time = from + distance.copysign(length);
-            step.interpolate(time, &mut self.there)?;
-            let value = self.value(index, time, from)?;
-            let event = &mut self.events[index];
-            if value.abs() <= 8.0 * event.residue {
-                previous = 0.0;
-            } else if value * previous.signum() > previous.abs() && previous != 0.0 {
-                (event.side, event.since) = (sign(value), time);
-                // An impact that leads through the surface all the same, soon after the one before, was the last one.
-                if event.last == from && event.side != event.came && event.gap.abs() < 1e3 * distance {
-                    return Err(IntegrationError::EventsAccumulate { time: from, event: index });
-                }
-                return Ok(());
-            } else {
-                previous = value;
-            }
-            distance *= 4.0;
-        }
-        Ok(())
-    }
-
-    /// The time between `since` and `to` at which the event's function changes its sign: the last one found before it,
-    /// or where it is zero.
-    ///
-    /// ITP: bisection, where the regula falsi, moved towards the middle, has a say as long as it does no harm.
-    fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<f64, IntegrationError> {
-        let Event { side, since, .. } = self.events[index];
-        // The function positive before the root and negative after; rounding errors do not count.
-        let mut value = |time: f64| -> Result<f64, IntegrationError> {
-            step.interpolate(time, &mut self.there)?;
-            Ok(side * self.value(index, time, since)?)
-        };
-        let (mut a, mut b) = (since, to);
-        let (mut at_a, mut at_b) = (value(a)?.max(0.0), value(b)?.min(0.0));
-        let tolerance = f64::EPSILON * a.abs().max(b.abs());
-        let pull = 0.2 / (b - a).abs();
-        let mut bound = tolerance.max(f64::MIN_POSITIVE);
-        while bound < (b - a).abs() {
-            bound *= 2.0;
-        }
-        while (b - a).abs() > 2.0 * tolerance && at_b != 0.0 {
-            let (middle, width) = (a + 0.5 * (b - a), (b - a).abs());
-            let falsi = if at_a > 0.0 { a + (b - a) * (at_a / (at_a - at_b)) } else { middle };
-            let inwards = middle - falsi;
-            let moved = falsi + inwards.abs().min(pull * width * width).copysign(inwards);
-            let radius = bound - 0.5 * width;
-            let x = if (moved - middle).abs() <= radius { moved } else { middle - radius.copysign(inwards) };
-            let x = if is_between(a, x, b) && x != a && x != b { x } else { middle };
-            if x == a || x == b {
-                break;
-            }
-            let at_x = value(x)?;
-            if at_x > 0.0 {
-                (a, at_a) = (x, at_x)
-            } else {
-                (b, at_b) = (x, at_x)
-            }
-            bound *= 0.5;
-        }
-        Ok(if at_b == 0.0 { b } else { a })
     }
 
     /// The earliest root that has not happened yet.
     fn first_root(&self, forwards: bool) -> Option<f64> {
         let roots = self.events.iter().map(|event| event.root).filter(|root| !root.is_nan());
         roots.reduce(|x, y| if forwards { x.min(y) } else { x.max(y) })
+    }
+
+    /// Gives this root to the events that have reached zero there, too: for the clock, or by their functions at the
+    /// state `there`. True where an earlier root was found instead, of a function that is not finite behind.
+    fn gather(&mut self, step: &mut dyn Step<V>, time: f64, way: f64) -> Result<bool, IntegrationError> {
+        for index in 0..self.events.len() {
+            let event = &mut self.events[index];
+            event.reached = (event.function)(time, &self.there);
+            let passed = event.side * event.reached <= 0.0 && event.is_armed() && !event.waits(time, way);
+            let width = (event.behind - event.root).abs().max(resolution(event.root, time));
+            if !event.root.is_nan() && (passed || (event.root - time).abs() <= width) {
+                event.root = time;
+            } else if event.next.is_nan() && passed && event.reached != 0.0 {
+                self.locate(step, index, time)?;
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Lets the events with this root happen, at the state `there`.
@@ -440,11 +471,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             if self.events[index].root != time {
                 continue;
             }
-            let value = self.value(index, time, time)?;
             let event = &mut self.events[index];
             let too_soon = (time - event.last).abs() <= resolution(time, event.last);
-            let response = event.happen(value, &mut self.after);
-            event.root = f64::NAN;
+            let response = event.happen(&mut self.after);
             let jump = !equal(&self.after, &self.there);
             if !jump {
                 event.gap = f64::INFINITY;
@@ -459,7 +488,30 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             restart |= response == Response::Restart;
             changed |= jump;
         }
-        Ok((stop || restart || changed).then_some(Cut { time, stop, changed }))
+        if !(stop || restart || changed) {
+            return Ok(None);
+        }
+        for event in self.events.iter_mut() {
+            event.value = event.reached;
+        }
+        Ok(Some(Cut { time, stop, changed }))
+    }
+
+    /// Moves the end of the integration behind the events that have just happened: they do not happen again where it is
+    /// gone on with.
+    fn pass(&mut self, step: &mut dyn Step<V>, cut: Cut) -> Result<Cut, IntegrationError> {
+        let happened = |event: &&mut Event<'a, V>| event.last == cut.time;
+        let far = |time: f64| (time - cut.time).abs();
+        let mut time = cut.time;
+        for event in self.events.iter_mut().filter(happened) {
+            time = if far(event.behind) > far(time) { event.behind } else { time };
+        }
+        for event in self.events.iter_mut().filter(happened) {
+            event.last = time;
+        }
+        step.interpolate(time, &mut self.there)?;
+        self.after.copy_from(&self.there);
+        Ok(Cut { time, ..cut })
     }
 
     /// The event's function at the state `there`; where it is not finite, the last good time is `good`.
@@ -469,110 +521,9 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
     }
 }
 
-/// Times closer than this are not told apart \[s\]; false for NaN in comparisons.
-fn resolution(a: f64, b: f64) -> f64 {
-    16.0 * f64::EPSILON * a.abs().max(b.abs())
-}
-
-/// −1, 0 or 1.
-fn sign(x: f64) -> f64 {
-    if x > 0.0 {
-        1.0
-    } else if x < 0.0 {
-        -1.0
-    } else {
-        0.0
-    }
-}
-
 /// Whether the states are the same, number by number.
 fn equal<V: Coordinates>(a: &State<V>, b: &State<V>) -> bool {
     a.q.as_slice() == b.q.as_slice() && a.qd.as_slice() == b.qd.as_slice()
-}
-
-/// A step as far as the event that cuts it.
-struct Part<'a, V> {
-    whole: &'a mut dyn Step<V>,
-    /// The state at the cut, before the actions.
-    there: &'a State<V>,
-    cut: Option<Cut>,
-    /// The time from which the observer wants to go on with a state of its own.
-    origin: Option<f64>,
-    fault: Option<IntegrationError>,
-}
-
-impl<V: Coordinates> Part<'_, V> {
-    /// Refuses times after the cut.
-    fn check(&mut self, t: f64) -> Result<(), IntegrationError> {
-        if is_between(self.previous_time(), t, self.time()) {
-            return Ok(());
-        }
-        self.refuse(IntegrationError::InvalidTime { time: t })
-    }
-
-    /// Refuses states to go on from that are not finite.
-    fn check_state(&mut self, state: &State<V>) -> Result<(), IntegrationError> {
-        if state.is_finite() {
-            return Ok(());
-        }
-        self.refuse(IntegrationError::NonFiniteState { time: self.time() })
-    }
-
-    fn refuse(&mut self, error: IntegrationError) -> Result<(), IntegrationError> {
-        self.fault = Some(error);
-        Err(error)
-    }
-}
-
-impl<V: Coordinates> Step<V> for Part<'_, V> {
-    fn previous_time(&self) -> f64 {
-        self.whole.previous_time()
-    }
-
-    fn time(&self) -> f64 {
-        self.cut.map_or(self.whole.time(), |cut| cut.time)
-    }
-
-    fn previous_state(&self) -> &State<V> {
-        self.whole.previous_state()
-    }
-
-    fn state(&self) -> &State<V> {
-        if self.cut.is_some() { self.there } else { self.whole.state() }
-    }
-
-    fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        self.check(t)?;
-        self.whole.interpolate(t, state)
-    }
-
-    fn replace(&mut self, state: &State<V>) {
-        if self.check_state(state).is_err() {
-            return;
-        }
-        match self.cut {
-            None => {
-                self.origin = Some(self.whole.time());
-                self.whole.replace(state);
-            }
-            // An impact is not undone.
-            Some(Cut { changed: true, .. }) => {}
-            Some(Cut { time, .. }) => {
-                // The time is that of the cut, and so inside.
-                if self.whole.restart(time, state).is_ok() {
-                    self.origin = Some(time);
-                }
-            }
-        }
-    }
-
-    fn restart(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
-        self.check(t)?;
-        self.check_state(state)?;
-        self.whole.restart(t, state)?;
-        self.origin = Some(t);
-        Ok(())
-    }
 }
 
 #[cfg(all(test, feature = "std"))]

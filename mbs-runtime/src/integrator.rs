@@ -269,8 +269,8 @@ pub trait Integrator<T: Scalar> {
     /// [`Dop853`](crate::Dop853), two for [`GaussLegendre4`](crate::GaussLegendre4), none for the others.
     ///
     /// The observer sees each step after its events: as far as the one from which the integration goes on anew, with
-    /// the state before its action. `replace` does not undo an action there. An event that never happens is no error:
-    /// its
+    /// the state before its action. `replace` does not undo an action there, and `Break` with that time, or an error,
+    /// ends with the state after it; later times are outside the step. An event that never happens is no error: its
     /// [`count`](Event::count) is 0.
     ///
     /// ```
@@ -288,7 +288,7 @@ pub trait Integrator<T: Scalar> {
     /// ```
     ///
     /// # Errors
-    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN,
+    /// [`IntegrationError::NonFiniteEvent`] if an event's function is infinite or NaN where the motion gets to,
     /// [`IntegrationError::EventsAccumulate`] if one follows itself too closely, [`IntegrationError::NonFiniteState`]
     /// if an action leaves such numbers; otherwise as [`integrate`](Integrator::integrate).
     fn integrate_with_events<V, F, R, O, A>(

@@ -3,6 +3,8 @@ use std::vec::Vec;
 use super::*;
 use crate::{Dop853, Dopri5, GaussLegendre4, Integrator, Rk4, SemiImplicitEuler, StormerVerlet, Summary};
 
+mod rounding;
+
 type One = State<[f64; 1]>;
 
 fn go_on<V: Coordinates>(_: &mut dyn Step<V>) -> ControlFlow<f64> {
@@ -380,6 +382,51 @@ fn what_goes_wrong_is_an_error() {
     assert_eq!(result, Err(IntegrationError::NonFiniteState { time: 0.0 }));
 }
 
+/// Under the floor, where a step leads before it is cut at the impact, a function may be what it likes.
+#[test]
+fn a_place_that_the_motion_never_reaches_is_no_error() {
+    fn check(integrator: &impl Integrator<f64>) {
+        let mut bounce = |_, ball: &mut One| {
+            ball.qd[0] *= -0.5;
+            Response::Continue
+        };
+        let (mut times, mut sides) = (Vec::new(), Vec::new());
+        let mut note = |t, _: &mut One| {
+            times.push(t);
+            Response::Continue
+        };
+        let mut note_side = |t, _: &mut One| {
+            sides.push(t);
+            Response::Restart
+        };
+        let mut events = [
+            Event::new(&height).falling().with_action(&mut bounce),
+            Event::new(&|_, ball: &One| ball.q[0].sqrt() - 0.5).with_action(&mut note),
+            Event::new(&|_, ball: &One| 0.5 - ball.q[0].sqrt()).with_action(&mut note_side),
+        ];
+        let mut ball = State::new([5.0], [0.0]);
+        integrator.integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on).unwrap();
+        // 5 − 5t² = 1/4, and 5s − 5s² = 1/4 with s = t − 1, which is highest at the end.
+        let expected = [0.95_f64.sqrt(), 1.0 + 0.5 * (1.0 - 0.8_f64.sqrt())];
+        for times in [times, sides] {
+            assert!(times.len() == 2 && times.iter().zip(expected).all(|(t, e)| (t - e).abs() < 1e-12), "{times:?}");
+        }
+        assert!((ball.q[0] - 1.25).abs() < 1e-10, "{ball:?}");
+    }
+    check(&Dop853::new(1e-9, 1e-9));
+    check(&Dopri5::new(1e-9, 1e-9));
+    check(&Rk4::new(0.3));
+    check(&Rk4::new(5.0));
+    check(&GaussLegendre4::new(0.7));
+    // Without a floor it gets there: the event before has happened, and what is left is the last good state.
+    let mut ball = State::new([5.0], [0.0]);
+    let mut events = [Event::new(&|_, ball: &One| ball.q[0].sqrt() - 0.5), Event::new(&|t, _: &One| t - 0.95)];
+    let result = Rk4::new(1.5).integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on);
+    let Err(IntegrationError::NonFiniteEvent { time, event: 0 }) = result else { panic!("{result:?}") };
+    assert!((time - 0.95).abs() < 1e-15 && (ball.q[0] - 0.4875).abs() < 1e-12, "{time} {ball:?}");
+    assert_eq!(events[1].count(), 1);
+}
+
 #[test]
 fn the_observer_stops_and_replaces_as_ever() {
     let mut state = State::new([1.0], [0.0]);
@@ -405,7 +452,7 @@ fn the_observer_stops_and_replaces_as_ever() {
         .unwrap();
     assert!(replaced && events[0].count() == 0 && state.q[0] < 0.0);
     // A correction is no jump: what it leads past zero happens, what it leads back has happened. Steps end at 1.
-    for (level, correction) in [(1.0001, 2e-4), (0.9999, -2e-4)] {
+    for (level, correction) in [(1.0001, 2e-4), (0.9999, -2e-4), (1.0, -2e-4)] {
         let ahead = |_: f64, state: &One| state.q[0] - level;
         let mut passed = [Event::new(&ahead), Event::new(&ahead).rising()];
         let mut state = State::new([0.0], [1.0]);
@@ -432,8 +479,39 @@ fn the_observer_stops_and_replaces_as_ever() {
     });
     let Err(IntegrationError::NonFiniteState { time }) = result else { panic!("{result:?}") };
     assert!((time - core::f64::consts::FRAC_PI_2).abs() < 1e-9 && state.q[0].abs() < 1e-12, "{state:?}");
-    // Times after the cut are outside the step.
+}
+
+/// A ball from 5 m bounces at 1 s, and each of three observers ends its step there, or tries to.
+#[test]
+fn an_observer_ends_no_later_than_the_event() {
+    fn ended(end: impl Fn(f64) -> Result<ControlFlow<f64>, char>) -> (Result<Summary, IntegrationError<char>>, One) {
+        let mut bounce = |_, ball: &mut One| {
+            ball.qd[0] *= -0.5;
+            Response::Continue
+        };
+        let mut floor = [Event::new(&height).falling().with_action(&mut bounce)];
+        let mut ball = State::new([5.0], [0.0]);
+        let method = Dop853 { first_step: Some(1.5), ..Dop853::new(1e-9, 1e-9) };
+        let result = method.integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut floor, |step| end(step.time()));
+        assert_eq!(floor[0].count(), 1);
+        (result, ball)
+    }
+    let (late, ball) = ended(|_| Ok(ControlFlow::Break(1.2)));
+    assert_eq!(late, Err(IntegrationError::InvalidTime { time: 1.2 }));
+    assert!(ball.q[0].abs() < 1e-12, "{ball:?}");
+    // The action has been called, and so the state is the one that it left.
+    let (there, ball) = ended(|time| Ok(ControlFlow::Break(time)));
+    assert!((there.unwrap().time - 1.0).abs() < 1e-12 && (ball.qd[0] - 5.0).abs() < 1e-10, "{ball:?}");
+    let (refused, ball) = ended(|_| Err('x'));
+    assert!(matches!(refused, Err(IntegrationError::Stopped { error: 'x', .. })) && (ball.qd[0] - 5.0).abs() < 1e-10);
+    let (before, ball) = ended(|_| Ok(ControlFlow::Break(0.5)));
+    assert!(before.unwrap().time == 0.5 && (ball.q[0] - 3.75).abs() < 1e-12, "{ball:?}");
+}
+
+#[test]
+fn times_after_an_event_are_outside_the_step() {
     let mut stop = [Event::new(&height).terminal()];
+    let dop853 = Dop853::new(1e-10, 1e-12);
     let result = dop853.integrate_with_events(oscillate, 0.0, 9.0, &mut State::new([1.0], [0.0]), &mut stop, |step| {
         let mut there = State::default();
         if step.time() > 1.57 && step.interpolate(step.time() + 1e-9, &mut there).is_ok() {

@@ -34,7 +34,8 @@ pub(super) struct Control {
 }
 
 impl Control {
-    pub(super) fn check(&self) -> Result<(), IntegrationError> {
+    /// Refuses what makes no sense at the start `t`.
+    pub(super) fn check<T: Real>(&self, t: f64) -> Result<(), IntegrationError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
         if !(positive(self.rtol) && positive(self.atol)) {
             return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
@@ -48,6 +49,8 @@ impl Control {
             (first, positive(first)),
             (self.min_step, self.min_step == 0.0 || positive(self.min_step)),
             (self.max_step, self.max_step > 0.0),
+            (self.min_step, self.min_step <= self.max_step),
+            (self.max_step, self.shortest::<T>(t) <= self.max_step),
         ] {
             if !good {
                 return Err(IntegrationError::InvalidStep { step });
@@ -113,7 +116,7 @@ where
     F: Acceleration<V>,
 {
     let mut run = Run::new(method, acceleration, t, t_end, state, observer)?;
-    control.check().map_err(IntegrationError::widen)?;
+    control.check::<T>(t).map_err(IntegrationError::widen)?;
     if t == t_end {
         return Ok(run.summary);
     }
@@ -199,6 +202,10 @@ impl Pace {
             step = control.max_step;
         }
         if step < shortest {
+            // Far from the start the longest step may fall below what the clock can tell.
+            if shortest > control.max_step {
+                return Err(IntegrationError::StepTooSmall { time: start, step: control.max_step });
+            }
             step = shortest;
         }
         self.step = step;

@@ -56,7 +56,7 @@ pub struct Dop853 {
     /// The shortest step that may be tried, the last one excepted \[s\]. Steps below the resolution of `t` (16 units in
     /// the last place) are not tried either way.
     pub min_step: f64,
-    /// The longest step, up to rounding, positive \[s\]; infinity for no limit.
+    /// The longest step, up to rounding, positive and no shorter than the shortest one \[s\]; infinity for no limit.
     pub max_step: f64,
     /// The number of steps allowed in one integration, rejected ones included.
     pub max_steps: usize,
@@ -389,6 +389,28 @@ mod tests {
         let few = Dop853 { max_steps: 10, ..Dop853::new(1e-12, 1e-12) };
         let result = few.integrate(kepler, 0.0, 6.0, &mut periapsis(0.6), go_on);
         assert!(matches!(result, Err(IntegrationError::TooManySteps { steps: 10, time }) if time > 0.0));
+    }
+
+    /// Between limits that leave no step, and where the clock cannot tell the longest one.
+    #[test]
+    fn limits_that_contradict_each_other_are_refused() {
+        let drift = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 0.0;
+        let go = |dop853: Dop853, t: f64, t_end: f64| {
+            dop853.integrate(drift, t, t_end, &mut State::new([0.0], [1.0]), |step| {
+                assert!((t..=t_end).contains(&step.time()), "{}", step.time());
+                ControlFlow::Continue(())
+            })
+        };
+        let good = Dop853::new(1e-3, 1e-3);
+        let crossed = Dop853 { min_step: 1.0, max_step: 0.1, max_steps: 1000, ..good };
+        assert_eq!(go(crossed, 0.0, 2.5), Err(IntegrationError::InvalidStep { step: 1.0 }));
+        // 16 units in the last place are 6e-6 s after 54 years, and more than those of 1 s right after it.
+        let unit = 16.0 * f64::EPSILON;
+        let (short, shorter) = (Dop853 { max_step: 1e-6, ..good }, Dop853 { max_step: unit, ..good });
+        assert_eq!(go(short, 1.7e9, 1.7e9 + 2e-5), Err(IntegrationError::InvalidStep { step: 1e-6 }));
+        let too_small = IntegrationError::StepTooSmall { time: 1.0 + unit, step: unit };
+        assert_eq!(go(shorter, 1.0, 1.0 + 1e-10), Err(too_small));
+        assert_eq!(go(Dop853 { min_step: 0.5, max_step: 0.5, ..good }, 0.0, 2.0).unwrap().time, 2.0);
     }
 
     #[test]

@@ -97,7 +97,7 @@ pub struct Dopri5 {
     /// The shortest step that may be tried, the last one excepted \[s\]. Steps below the resolution of `t` (16 units in
     /// the last place) are not tried either way.
     pub min_step: f64,
-    /// The longest step, up to rounding, positive \[s\]; infinity for no limit.
+    /// The longest step, up to rounding, positive and no shorter than the shortest one \[s\]; infinity for no limit.
     pub max_step: f64,
     /// The number of steps allowed in one integration, rejected ones included.
     pub max_steps: usize,
@@ -327,6 +327,8 @@ mod tests {
             assert!(matches!(go(Dopri5::new(bad, 1e-9)), IntegrationError::InvalidTolerance { .. }));
             assert!(matches!(go(Dopri5::new(1e-9, bad)), IntegrationError::InvalidTolerance { .. }));
         }
+        let crossed = Dopri5 { min_step: 1.0, max_step: 0.1, ..Dopri5::new(1e-3, 1e-3) };
+        assert_eq!(go(crossed), IntegrationError::InvalidStep { step: 1.0 });
         for beta in [-0.1, 0.3, f64::NAN, f64::INFINITY] {
             let error = go(Dopri5 { beta, ..Dopri5::new(1e-9, 1e-9) });
             assert!(matches!(error, IntegrationError::InvalidGain { .. }));

@@ -36,7 +36,7 @@ impl EnsembleIntegrator for Dop853 {
         let end_all = |active: &[bool; MOST], outcomes: &mut [Outcome], end: Outcome| {
             outcomes.iter_mut().zip(active).filter(|(_, active)| **active).for_each(|(outcome, _)| *outcome = end);
         };
-        if let Err(error) = control.check() {
+        if let Err(error) = control.check::<L::Real>(t) {
             return end_all(&active, outcomes, Err(error));
         }
         if t == t_end {

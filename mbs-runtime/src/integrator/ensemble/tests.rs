@@ -71,6 +71,7 @@ where
     same::<L, _>(&Dop853::new(1e-9, 1e-9).with_max_steps(30).with_max_step(0.5), &SPANS);
     same::<L, _>(&Dop853::new(1e-12, 1e-12).with_min_step(1.0), &SPANS);
     same::<L, _>(&Dop853::new(0.0, 1e-9), &SPANS);
+    same::<L, _>(&Dop853::new(1e-3, 1e-3).with_min_step(1.0).with_max_step(0.1), &SPANS);
 }
 
 fn rk4_is_itself<L: Lanes>()
