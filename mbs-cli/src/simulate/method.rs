@@ -62,6 +62,8 @@ impl Method {
         observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
     ) -> Result<Summary, IntegrationError<String>> {
         let Accuracy { relative, absolute, step, longest, most_steps } = accuracy;
+        // Far from zero, times that are as near to each other are the same.
+        let longest = longest.max(32.0 * f64::EPSILON * t.abs().max(t_end.abs()));
         let (f, y, e, o) = (accelerations, state, events, observer);
         match self {
             Method::Dop853 => {
