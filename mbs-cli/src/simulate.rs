@@ -189,7 +189,8 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
             absolute: arguments.atol.unwrap_or(1e-12),
             step,
             longest: arguments.max_step.unwrap_or(step),
-            most_steps: MOST_STEPS,
+            // Each row takes a step at least.
+            most_steps: MOST_STEPS + times.len(),
         },
         drift: arguments.project,
         redundant_rows: arguments.redundant.into(),

@@ -228,7 +228,7 @@ impl Statistics {
         }
     }
 
-    /// Of members that share what is drawn.
+    /// Where members share what is drawn, or it is not known that they do not.
     fn without_bounds(self) -> Self {
         Statistics { mean: Estimate::exact(self.mean.value), is_drawn: false, ..self }
     }

@@ -165,9 +165,9 @@ impl Design {
         self.kind
     }
 
-    /// Whether each member is drawn by itself: none shares what is drawn with others of a grid or of a row.
+    /// Whether members are drawn independently of each other: not on a grid, nor in a row, a hypercube or a sequence.
     pub fn draws_each_member(&self) -> bool {
-        self.points == 1 && !matches!(self.kind, Kind::Saltelli | Kind::Chaos)
+        self.points == 1 && self.kind == Kind::Random
     }
 
     /// The degree of the polynomials of the design `chaos`; `None` of others.

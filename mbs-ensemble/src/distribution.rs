@@ -48,7 +48,7 @@ pub enum Distribution {
     },
 }
 
-/// What is more deviations from the middle of a normal distribution than this is nothing beside it.
+/// Beyond this many deviations from the middle hardly anything of a normal distribution is left.
 pub(crate) const FAR: f64 = 12.0;
 
 impl Distribution {
@@ -148,7 +148,8 @@ impl Distribution {
         }
     }
 
-    /// The lowest and the highest value, or what hardly anything of a normal distribution is beyond.
+    /// The lowest and the highest value, infinite where there is none; where a normal distribution is cut off on one
+    /// side, the other bound is 12 deviations from there, or from the mean.
     pub(crate) fn bounds(&self) -> [f64; 2] {
         match *self {
             Distribution::Uniform { low, high } | Distribution::Triangular { low, high, .. } => [low, high],

@@ -45,7 +45,7 @@ pub enum SweepError {
         /// Why.
         reason: String,
     },
-    /// There is no such share.
+    /// A rank that is not below the number of ranks.
     #[error("there is no rank {rank} of {ranks}: the first is 0")]
     Rank {
         /// Whose share it is.

@@ -66,8 +66,8 @@ impl Error for NotARotation {}
 /// R = 1 + cos ½θ k× + ½ (k×)²,   k = (sin ½θ / ½θ) φ,   θ = |φ|
 /// ```
 ///
-/// Exact where `φ` is zero, and accurate to rounding, that of a large angle included: `ε θ`. An entry of `φ` that is
-/// infinite or NaN gives NaN.
+/// Exact where `φ` is zero, and accurate to rounding; that of the angle itself, `ε θ`, turns the result of a large one.
+/// An entry of `φ` that is infinite or NaN gives NaN.
 ///
 /// | argument          | meaning                      | shape | unit |
 /// |-------------------|------------------------------|-------|------|

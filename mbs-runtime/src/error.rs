@@ -21,8 +21,8 @@ pub enum IntegrationError<E = Infallible> {
         /// The absolute tolerance given.
         absolute: f64,
     },
-    /// A fixed step, or a limit of the step, is zero, negative or NaN; or the longest step is below the shortest one, or
-    /// below the resolution of the time.
+    /// A fixed step, or a limit of the step, is zero, negative or NaN; or the longest step is below the shortest one,
+    /// or below the resolution of the time.
     InvalidStep {
         /// The step given \[s\].
         step: f64,

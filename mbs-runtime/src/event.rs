@@ -13,8 +13,8 @@
 //! - Two roots of one function less than an eighth of a step apart may go unseen; `max_step` or `step` of the method
 //!   is the remedy. Of three in an eighth one is seen.
 //! - Events of one step happen in the order of their times, those of the same time in the order in which they are
-//!   given. Times that the clock does not tell apart are the same, and so are those of events that are all past zero,
-//!   as far as rounding lets them know, where the first of them happens.
+//!   given. Times that the clock does not tell apart are one time. So are the times of events whose functions are all
+//!   at or past zero at the first of these times.
 //! - Where the observer replaces the end of a step, what changes the function by no more than an eighth of the step did
 //!   is a correction, such as a projection: an event does not happen twice or not at all for it. What changes it by
 //!   more is a jump, and passing zero with it no event.
@@ -70,7 +70,7 @@ pub enum Response {
     Continue,
     /// Goes on from the time of the event in a new step: the right-hand side has changed.
     Restart,
-    /// Ends at the time of the event, with the state that the action left.
+    /// Ends right behind the zero; where the action changed the state, at the time of the event with the state it left.
     Stop,
 }
 
@@ -179,7 +179,7 @@ impl<'a, V> Event<'a, V> {
         self.direction(Direction::Falling)
     }
 
-    /// Ends the integration at the first of them, after its action.
+    /// Ends the integration right behind the first of them, after its action: see [`Response::Stop`].
     #[must_use]
     pub const fn terminal(mut self) -> Self {
         self.terminal = true;
@@ -199,7 +199,8 @@ impl<'a, V> Event<'a, V> {
         self.count
     }
 
-    /// When it happened last in the last integration \[s\].
+    /// When it happened last in the last integration \[s\]; where it ended that, the end, which may be some units in
+    /// the last place later than what its action was told.
     #[must_use]
     pub const fn last_time(&self) -> Option<f64> {
         if self.count == 0 { None } else { Some(self.last) }
@@ -278,7 +279,7 @@ enum Start {
     Corrected,
     /// It is where an event cut that one.
     Cut,
-    /// Nothing.
+    /// It has nothing to do with that one.
     Jump,
 }
 

@@ -277,7 +277,7 @@ pub(crate) fn length(entries: impl Iterator<Item = f64> + Clone) -> f64 {
     if greatest > 0.0 && greatest.is_finite() {
         greatest * Scalar::sqrt(entries.map(|entry| (entry / greatest) * (entry / greatest)).sum::<f64>())
     } else {
-        // Zero; or, which `max` drops, NaN.
+        // Zero; infinity; or NaN, which `max` drops.
         entries.map(|entry| entry.abs()).sum()
     }
 }

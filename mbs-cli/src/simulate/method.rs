@@ -31,7 +31,7 @@ pub(crate) struct Accuracy {
     pub(crate) relative: f64,
     pub(crate) absolute: f64,
     pub(crate) step: f64,
-    /// Those with error control see what comes and goes in no less time.
+    /// The longest step of those with error control \[s\], which may step over what comes and goes in less time.
     pub(crate) longest: f64,
     /// After how many steps those with error control give up.
     pub(crate) most_steps: usize,
@@ -62,7 +62,7 @@ impl Method {
         observer: impl FnMut(&mut dyn Step<Vec<f64>>) -> Result<ControlFlow<f64>, String>,
     ) -> Result<Summary, IntegrationError<String>> {
         let Accuracy { relative, absolute, step, longest, most_steps } = accuracy;
-        // Far from zero, times that are as near to each other are the same.
+        // Far from zero, rows may be closer than the shortest step that is tried.
         let longest = longest.max(32.0 * f64::EPSILON * t.abs().max(t_end.abs()));
         let (f, y, e, o) = (accelerations, state, events, observer);
         match self {

@@ -208,21 +208,24 @@ impl Gathering<'_, '_> {
         [from, to]: [f64; 2],
         inside: &mut Inside<'_>,
     ) -> Result<f64, String> {
-        /// Of the largest value times the length of the step.
+        /// The error allowed, as a part of the largest value times the length of the step.
         const TOLERANCE: f64 = 1e-7;
-        /// Halves of halves.
+        /// How often an interval is halved at most.
         const DEEPEST: u32 = 24;
+        /// How many intervals of one step are halved at most: some jumps take fewer, for noise no number is enough.
+        const MOST: usize = 500;
         let size = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let allowed = TOLERANCE * size * (to - from).abs();
-        let mut sum = 0.0;
+        let (mut sum, mut halved) = (0.0, 0);
         let mut waiting = vec![(values, from, to, 0)];
         while let Some((values, from, to, depth)) = waiting.pop() {
             let fine = simpson(&values, to - from);
             let every_other: [f64; PARTS / 2 + 1] = std::array::from_fn(|k| values[2 * k]);
-            if (fine - simpson(&every_other, to - from)).abs() <= allowed || depth == DEEPEST {
+            if (fine - simpson(&every_other, to - from)).abs() <= allowed || depth == DEEPEST || halved == MOST {
                 sum += fine;
                 continue;
             }
+            halved += 1;
             let middle = from + 0.5 * (to - from);
             for (from, to) in [(middle, to), (from, middle)] {
                 let mut values = [0.0; PARTS + 1];

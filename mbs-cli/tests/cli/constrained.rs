@@ -279,6 +279,7 @@ fn what_does_not_close_is_refused() {
 fn redundant_rows_are_named_or_share_their_force() {
     let workshop = workshop();
     let state = r#"{"q": [1, 1, 1, 0.7701511529340698, 0.42073549240394825, 0]}"#;
+    // The cranks lie in line at 0.49 s, where rows lose rank.
     let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "0.4"];
     let report = workshop.bad(&run);
     assert!(report.starts_with("error: constraint `"), "{report}");

@@ -461,11 +461,14 @@ fn what_is_faster_than_the_motion_is_seen() {
     let workshop = workshop();
     let plan = "mechanism = \"spring.mbs\"\n[fixed]\nk = 1e-12\nx_dot = 1\n[vary]\nm = { values = [1, 2] }\n\
                 [motion]\nduration = 10\n[quantities]\nstripes = { count = \"sin(x/(0.05 m))\" }\n\
-                square = { mean = \"sin(x/(0.05 m))^2\" }\nshare = { mean = \"if x > 3 m { 1 } else { 0 }\" }\n";
+                square = { mean = \"sin(x/(0.05 m))^2\" }\nshare = { mean = \"if x > 3 m { 1 } else { 0 }\" }\n\
+                noise = { mean = \"sin(x/(1 m))^2 + cos(x/(1 m))^2 - 1\" }\n";
     workshop.write("plan.toml", plan);
     workshop.good(&["sweep", "plan.toml"]);
     for row in rows(&workshop.read("plan.csv")) {
         assert_eq!(number(&row, "stripes"), 63.0);
+        // Rounding alone, which no halving makes smooth.
+        assert!(number(&row, "noise").abs() < 1e-15);
         let square = 0.5 - 0.05 * (20.0 / 0.05_f64).sin() / 40.0;
         assert!(
             (number(&row, "square") - square).abs() < 1e-7 && (number(&row, "share") - 0.7).abs() < 1e-7,

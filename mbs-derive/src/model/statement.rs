@@ -215,6 +215,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn assign(&mut self, name: &'d Name, value: &Expression) -> Resolved<()> {
+        let has_unit = self.units_in_place(value) != UnitsInPlace::None;
         let value = self.argument(value);
         let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
@@ -238,7 +239,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         if let Some(binding) = self.names.scope.get_mut(&name.text) {
             binding.value = value.ok().map(|argument| argument.value);
-            binding.used = None;
+            (binding.used, binding.has_unit) = (None, has_unit);
         }
         Ok(())
     }

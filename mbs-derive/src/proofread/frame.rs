@@ -472,7 +472,7 @@ pub(super) fn path_of(path: &syn::Path) -> String {
 
 /// Tokens without spaces.
 pub(super) fn compact(what: &impl ToTokens) -> String {
-    what.to_token_stream().to_string().split_whitespace().collect()
+    super::rust::compact(&what.to_token_stream().to_string())
 }
 
 fn identifier(name: &str) -> Ident {

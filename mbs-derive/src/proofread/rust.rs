@@ -1,5 +1,5 @@
-//! Rust, as far as it is emitted, without the compiler's own parser, for which a module's functions are too long: it
-//! would take as long as all of the derivation. What stands around functions is little, and read by it.
+//! Rust, as far as it is emitted. Functions' bodies are read here and not by `syn`, which would take as long as all of
+//! the derivation; what stands around them is little, and read by `syn`.
 //!
 //! - `token`: words, numbers, marks;
 //! - `tree`: what stands in functions; `parse`: how it is read;

@@ -275,6 +275,20 @@ fn damaged_texts_with_serde_are_refused() {
     damage_all(&["tests/mechanisms/rolling_coin"], &Options::default().serde(true));
 }
 
+/// What stands for bodies is no name of a mechanism's, and nothing but bodies may have it.
+#[test]
+fn what_stands_for_bodies_is_a_name_like_others() {
+    let text = "mechanism Cut { param cut: N/m = 4; coord fn_cut: m; kinetic += 1 kg*dt(fn_cut)^2/2; \
+                potential += cut*fn_cut^2/2; }";
+    let derivation = derived(Path::new("cut.mbs"), text.to_string());
+    check(&derivation, &Options::default());
+    let code = emitted(&derivation, &Options::default());
+    let forwarded = code.rfind("self.mass_matrix(q)").expect("an implementation of a trait");
+    let damaged = format!("{}cut!(3);{}", &code[..forwarded], &code[forwarded + "self.mass_matrix(q)".len()..]);
+    assert!(syn::parse_file(&damaged).is_ok());
+    assert!(derivation.proofread(Language::Rust, &Options::default(), &damaged).is_err());
+}
+
 /// A report says in which function, what is there and what should be.
 #[test]
 fn a_report_says_where_and_what() {

@@ -72,7 +72,7 @@ impl<const P: usize> RegressorStack<P> {
     /// Columns are scaled to length 1, so that units do not count; one that is shorter than `1e-12` of the longest is
     /// what rounding left of nothing, and counts as zero. Then the one is taken that is longest across those already
     /// taken, until none is longer than `tolerance`; `1e-9` is well above rounding and well below what a mechanism of a
-    /// few links leaves. None is longer than NaN.
+    /// few links leaves. With a tolerance of NaN the rank is 0.
     ///
     /// ```
     /// use mbs_runtime::control::RegressorStack;

@@ -30,8 +30,9 @@ type Square<const N: usize> = [[f64; N]; N];
 ///
 /// The equation is turned into that of a sampled system by Cayley's transformation, and that one solved by doubling:
 /// each iteration looks twice as far ahead. Of several parameters of the transformation the one that leaves the least
-/// is taken, and steps of Newton's method made as long as they help. States are balanced by powers of two before; then they are scaled so
-/// that X has a diagonal of the order of 1, and all is done once more, which makes the result independent of units.
+/// is taken, with steps of Newton's method as long as they help. States are balanced by powers of two before; then they
+/// are scaled so that X has a diagonal of the order of 1, and all is done once more, which makes the result independent
+/// of units.
 ///
 /// # Errors
 /// [`ControlError`].
@@ -241,7 +242,7 @@ fn scaled_twice<const N: usize>(
     });
     let back = |x: &Square<N>, d: &[f64; N]| each(x, |i, j| 1.0 / d[i] / d[j]);
     match method(&equation.scaled(&d), &d) {
-        Some((second, rest)) if rest <= left.max(GOOD) => Ok(back(&second, &d)),
+        Some((second, rest)) if rest <= GOOD && rest <= left.max(FINE) => Ok(back(&second, &d)),
         _ if left <= GOOD => Ok(back(&first, &balance)),
         _ => Err(ControlError::NotStabilizable),
     }
@@ -250,6 +251,9 @@ fn scaled_twice<const N: usize>(
 /// What a solution may leave of its equation, in units of the terms of which it is the sum. Where A is very unstable no
 /// less is left.
 const GOOD: f64 = 1e-6;
+
+/// The solution in the better units is taken if it leaves no more than this, even where the first one leaves less.
+const FINE: f64 = 1e-10;
 
 /// Steps of Newton's method; as it is quadratic, it rarely needs more than three.
 const NEWTON: usize = 20;

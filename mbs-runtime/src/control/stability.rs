@@ -6,16 +6,16 @@ use super::eigenvalues::eigenvalues;
 use super::natural_frequency;
 use super::rank::unreached;
 
-/// Of which poles motions decay.
+/// Which kind of time, and so which poles belong to motions that decay.
 #[derive(Clone, Copy)]
 pub(super) enum Time {
-    /// Those to the left of the imaginary axis.
+    /// Poles to the left of the imaginary axis.
     Continuous,
-    /// Those within the unit circle.
+    /// Poles within the unit circle.
     Sampled,
 }
 
-/// No rounding makes a loop decay by this part of its norm.
+/// A loop whose poles are farther than this from the border, as a part of its norm, does not owe that to rounding.
 const CLEAR: f64 = 1e-6;
 
 /// Motions that decay by less than this part of the norm may owe it to rounding. A double pole on the border is torn

@@ -45,8 +45,8 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         Ok(())
     }
 
-    /// Finds the time between `since` and `to` at which the event's function changes its sign: the last one before it, or
-    /// the first one at which it is zero.
+    /// Finds the time between `since` and `to` at which the event's function changes its sign: the last one before it,
+    /// or the first one at which it is zero.
     ///
     /// ITP: bisection, where the regula falsi, moved towards the middle, has a say as long as it does no harm.
     pub(super) fn locate(&mut self, step: &mut dyn Step<V>, index: usize, to: f64) -> Result<(), IntegrationError> {

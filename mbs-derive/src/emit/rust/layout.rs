@@ -3,7 +3,7 @@
 
 use super::super::walk::Routine;
 
-/// Lines of code are of at most this many characters, as the formatter has them.
+/// The formatter breaks lines that are longer than this.
 const WIDTH: usize = 89;
 
 /// How far to the right statements of a function stand: within the module, the implementation and the function.

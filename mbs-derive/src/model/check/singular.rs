@@ -417,7 +417,7 @@ fn is_zero(x: Rounded) -> bool {
 // ---- places and messages
 
 impl Search<'_, '_, '_> {
-    /// The site of a fault among these: itself, else the first one where the same vanishes.
+    /// The site of a fault: the one whose expression it is, else the first one in which the same expression vanishes.
     fn site(&self, fault: &Fault, copies: &[Expr<'_>]) -> Option<usize> {
         let base = singular_base(self.graph.expr(fault.node));
         let itself = copies.iter().position(|copy| copy.id() == fault.node);

@@ -6,6 +6,7 @@
 use crate::diagnostic::Code;
 use crate::model::names::scope::{Binding, Origin};
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
+use crate::model::value::quantity::UnitsInPlace;
 use crate::model::value::{Array, Value};
 use crate::parse::syntax::{Expression, Name, Span};
 
@@ -98,8 +99,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         indices: &[Expression],
         value: &Expression,
     ) -> Resolved<()> {
+        let has_unit = self.units_in_place(value) != UnitsInPlace::None;
         let argument = self.argument(value);
-        let Some(binding) = self.names.scope.get(&name.text) else {
+        let Some(binding) = self.names.scope.get_mut(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
             return Err(self.refuse(
                 Code::Undeclared,
@@ -108,8 +110,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 format!("write `let {}[n];` before it", name.text),
             ));
         };
+        binding.has_unit |= has_unit;
         if binding.elements.is_none() {
-            return self.assign_component(binding.clone(), name, indices, argument);
+            let binding = binding.clone();
+            return self.assign_component(binding, name, indices, argument);
         }
         let Ok(numbers) = self.numbers_of(name, indices) else {
             // Nobody knows which one was meant.

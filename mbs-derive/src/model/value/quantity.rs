@@ -212,6 +212,9 @@ mod tests {
         check("const b: mm = 3; const c: m = 2; param a: mm/m = b/c;", 0.0015);
         check("const b: mm = 3; let c = 2*b/(1 m); param a: mm/m = c;", 0.006);
         check("const b: 1 = 3; param a: mm/m = 2*b;", 0.006);
+        check("let mut b = 0; b = 30 deg; param a: deg = b;", PI / 6.0);
+        check("let b[2]; b[0] = 30 deg; b[1] = 40 deg; param a[2]: deg = b;", PI / 6.0);
+        check("fn twice(b) = 2*b; param a: deg = twice(30 deg);", PI / 3.0);
         check("param a: deg = atan(1);", PI / 4.0);
         check("const b: m = 3; param a: deg = atan2(b, 3 m);", PI / 4.0);
         let beside = "a quantity with its unit stands beside numbers without one; give each its unit, or declare it in";

@@ -3,7 +3,7 @@
 use super::super::reading::Reading;
 use super::token::{Token, tokens};
 
-/// A module without bodies, and these.
+/// A module without its functions' bodies, and the bodies.
 pub(in crate::proofread) struct Cut<'t> {
     pub(in crate::proofread) module: String,
     pub(in crate::proofread) bodies: Vec<&'t str>,
@@ -24,8 +24,8 @@ pub(in crate::proofread) fn body_of(block: &syn::Block) -> Option<usize> {
 /// the mechanism, but for two that do not.
 pub(in crate::proofread) fn cut(code: &str) -> Reading<Cut<'_>> {
     let tokens = tokens(code);
-    if tokens.iter().any(|token| token.is(NAME)) {
-        return Err(format!("`{NAME}` is no name"));
+    if tokens.windows(2).any(|pair| pair[0].is(NAME) && pair[1].is("!")) {
+        return Err(format!("`{NAME}!` stands in the text already"));
     }
     let mut cut = Cut { module: String::new(), bodies: Vec::new() };
     let (mut header, mut copied, mut at): (&[Token<'_>], _, _) = (&[], 0, 0);

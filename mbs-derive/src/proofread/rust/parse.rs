@@ -1,4 +1,4 @@
-//! Tokens → a tree: by the precedence of operators, where each is read as Rust reads it. What is not emitted is refused.
+//! Tokens → a tree: by the precedence of operators, each read as Rust reads it. What is not emitted is refused.
 
 use super::super::reading::{Reading, cannot_read, unknown};
 use super::token::{Kind, Token, tokens};
@@ -283,7 +283,7 @@ impl<'t> Parser<'t> {
                     Some(Token { kind: Kind::Name | Kind::Number, text, .. }) => {
                         self.at += 1;
                         match self.takes("(") {
-                            true => ExpressionKind::Method(Box::new(of), text, self.arguments(")")?),
+                            true => ExpressionKind::Method(Box::new(of), text, self.arguments()?),
                             false => ExpressionKind::Field(Box::new(of), text),
                         }
                     }
@@ -296,7 +296,7 @@ impl<'t> Parser<'t> {
             } else if self.is_next("(") {
                 let ExpressionKind::Path(function) = of.kind else { return self.unknown() };
                 self.at += 1;
-                ExpressionKind::Call(function, self.arguments(")")?)
+                ExpressionKind::Call(function, self.arguments()?)
             } else {
                 return Ok(of);
             };
@@ -312,8 +312,8 @@ impl<'t> Parser<'t> {
         Ok(found)
     }
 
-    fn arguments(&mut self, close: &str) -> Reading<Vec<Expression<'t>>> {
-        self.within(|parser| parser.list(close, Self::expression))
+    fn arguments(&mut self) -> Reading<Vec<Expression<'t>>> {
+        self.within(|parser| parser.list(")", Self::expression))
     }
 
     fn primary(&mut self) -> Reading<Expression<'t>> {
@@ -383,7 +383,7 @@ impl<'t> Parser<'t> {
     /// Behind a bracket: an expression, or several with commas.
     fn tuple(&mut self) -> Reading<ExpressionKind<'t>> {
         let first = self.at;
-        let mut parts = self.arguments(")")?;
+        let mut parts = self.arguments()?;
         let has_comma = self.tokens[first..self.at - 1].last().is_some_and(|token| token.is(","));
         Ok(match parts.pop() {
             Some(only) if parts.is_empty() && !has_comma => ExpressionKind::Same(Box::new(only)),

@@ -65,7 +65,7 @@ pub(in crate::proofread) enum ExpressionKind<'t> {
     Wild,
     /// Names with `::` between them, and none in front.
     Path(String),
-    /// In brackets, or a reference to it.
+    /// An expression in brackets, or a reference to one.
     Same(Box<Expression<'t>>),
     /// `-`, `!` or `*`, and its operand.
     Unary(char, Box<Expression<'t>>),
@@ -81,7 +81,7 @@ pub(in crate::proofread) enum ExpressionKind<'t> {
     Block(Block<'t>),
     /// A closure without arguments.
     Closure(Box<Expression<'t>>),
-    /// One with arguments.
+    /// A closure with arguments.
     Function,
     Field(Box<Expression<'t>>, &'t str),
     Index(Box<[Expression<'t>; 2]>),
