@@ -26,7 +26,7 @@ pub(crate) struct Summary {
     /// What varies, where its share of the variance can be told.
     variables: Option<Vec<String>>,
     seed: u64,
-    /// Whether the members are drawn, each by itself, so that there are bounds.
+    /// Whether the members are drawn independently of each other, so that there are bounds.
     is_drawn: bool,
     /// The polynomials that the members were made for, if they were.
     chaos: Option<Polynomials>,
@@ -60,13 +60,13 @@ impl Summary {
             values: vec![Vec::new(); columns.len()],
             variables: matches!(design.kind(), Kind::Saltelli | Kind::Chaos).then(names),
             seed: design.seed(),
-            is_drawn: design.draws_each_member(),
+            is_drawn: design.draws_independently(),
             chaos: Polynomials::of(design),
         }
     }
 
-    /// Of a table that was written before, without what a plan says of it: whether its members are drawn one by one is
-    /// not known.
+    /// Of a table that was written before, without what a plan says of it: whether its members are drawn
+    /// independently is not known.
     pub(crate) fn of_table(table: Table) -> Self {
         let (columns, values) = table.columns.into_iter().map(|column| (column.about, column.values)).unzip();
         Summary { columns, values, variables: None, seed: 0, is_drawn: false, chaos: None }
@@ -89,14 +89,9 @@ impl Summary {
     fn statistics(&self) -> impl Iterator<Item = (&Column, Statistics)> {
         let statistics = |values: &Vec<f64>| match &self.chaos {
             Some(polynomials) => Statistics::of_polynomial(values, polynomials),
-            None => self.of_members(values),
+            None => Statistics::of_members(values, self.variables.as_ref().map(Vec::len), self.seed, self.is_drawn),
         };
         self.columns.iter().zip(self.values.iter().map(statistics))
-    }
-
-    fn of_members(&self, values: &[f64]) -> Statistics {
-        let statistics = Statistics::of_members(values, self.variables.as_ref().map(Vec::len), self.seed);
-        if self.is_drawn { statistics } else { statistics.without_bounds() }
     }
 
     /// A table for people.
@@ -211,7 +206,8 @@ struct Statistics {
 }
 
 impl Statistics {
-    fn of_members(values: &[f64], variables: Option<usize>, seed: u64) -> Self {
+    /// Without bounds where it is not known that members are drawn independently.
+    fn of_members(values: &[f64], variables: Option<usize>, seed: u64, is_drawn: bool) -> Self {
         let mut sorted: Vec<f64> = values.iter().copied().filter(|value| value.is_finite()).collect();
         let moments: Moments = sorted.iter().copied().collect();
         sorted.sort_unstable_by(f64::total_cmp);
@@ -219,18 +215,13 @@ impl Statistics {
         let mean = if moments.count > 0 { moments.mean } else { f64::NAN };
         Statistics {
             count: moments.count,
-            mean: Estimate { value: mean, interval: Some(moments.mean_interval(CONFIDENCE)) },
+            mean: Estimate { value: mean, interval: is_drawn.then(|| moments.mean_interval(CONFIDENCE)) },
             deviation: moments.deviation(),
             sorted,
             indices: indices.into_iter().map(|i| [Estimate::of(i.first), Estimate::of(i.total)]).collect(),
             highest: None,
-            is_drawn: true,
+            is_drawn,
         }
-    }
-
-    /// Where members share what is drawn, or it is not known that they do not.
-    fn without_bounds(self) -> Self {
-        Statistics { mean: Estimate::exact(self.mean.value), is_drawn: false, ..self }
     }
 
     /// NaN where a member has no value.
@@ -303,7 +294,7 @@ mod tests {
 
     #[test]
     fn what_no_member_has_has_no_mean() {
-        let statistics = Statistics::of_members(&[f64::NAN; 4], None, 0);
+        let statistics = Statistics::of_members(&[f64::NAN; 4], None, 0, true);
         assert_eq!(statistics.count, 0);
         assert_eq!(bounded(statistics.mean.value, statistics.mean.interval), "-");
     }

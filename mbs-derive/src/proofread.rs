@@ -8,7 +8,8 @@
 //! - `meaning`: what expressions mean, and what functions are to return;
 //! - `rust`: Rust, as far as it is emitted, as a tree; `reader`: its meaning;
 //! - `frame`: what stands around functions: types, traits, constants;
-//! - `foreign`: the other languages, by one reader.
+//! - `foreign`: the other languages, by one reader;
+//! - `token`: words, numbers and marks of all of them.
 
 mod foreign;
 mod frame;
@@ -19,6 +20,7 @@ mod reading;
 mod rust;
 #[cfg(test)]
 mod tests;
+mod token;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -166,7 +166,7 @@ impl Design {
     }
 
     /// Whether members are drawn independently of each other: not on a grid, nor in a row, a hypercube or a sequence.
-    pub fn draws_each_member(&self) -> bool {
+    pub fn draws_independently(&self) -> bool {
         self.points == 1 && self.kind == Kind::Random
     }
 

@@ -53,9 +53,9 @@ impl Moments {
         self.variance().sqrt()
     }
 
-    /// The bounds of the mean of what the values were drawn from, one by one, at this confidence, such as 0.95: by
-    /// Student's distribution: exact for normal values, and nearly so for many of any distribution. NaN for fewer than
-    /// two.
+    /// The bounds of the mean of what the values were drawn from independently, at this confidence, such as 0.95. They
+    /// are those of Student's distribution: exact for normal values, and nearly so for many of any distribution. NaN
+    /// for fewer than two.
     pub fn mean_interval(&self, confidence: f64) -> [f64; 2] {
         let student = StudentsT::new(0.0, 1.0, self.count.saturating_sub(1) as f64).ok();
         let factor = student.map_or(f64::NAN, |student| student.inverse_cdf(0.5 + confidence / 2.0));

@@ -78,7 +78,9 @@ export class Motion {
     try {
       state = this.onConstraints(this.start, state, false);
       const acceleration = (t, q, qd) => model.call("forward_dynamics", t, q, qd);
-      this.integrator = new Dop853(acceleration, this.start, state.q, state.qd, { longest: this.dt, ...tolerances });
+      // As `mbs simulate` has it.
+      const longest = Math.max(this.dt, 32 * Number.EPSILON * Math.max(Math.abs(this.start), Math.abs(end)));
+      this.integrator = new Dop853(acceleration, this.start, state.q, state.qd, { longest, ...tolerances });
     } catch (error) {
       this.error = error;
     }

@@ -175,22 +175,22 @@ impl Onlooker for Gathering<'_, '_> {
         if !self.wanted.iter().any(looks) || from == to {
             return Ok(());
         }
-        let time = |k: usize| if k == PARTS { to } else { from + (to - from) * k as f64 / PARTS as f64 };
+        let times = places(from, to);
         let mut values = vec![[0.0; PARTS + 1]; self.wanted.len()];
-        for k in 0..=PARTS {
-            inside(time(k), &mut self.moving)?;
+        for (k, t) in times.into_iter().enumerate() {
+            inside(t, &mut self.moving)?;
             let (equations, wanted) = (self.equations, self.wanted.iter().zip(&mut values));
-            equations.at(time(k), &self.moving.q, &self.moving.qd, |state| {
+            equations.at(t, &self.moving.q, &self.moving.qd, |state| {
                 wanted.filter(|(wanted, _)| looks(wanted)).try_for_each(|(wanted, values)| {
-                    values[k] = wanted.finite(time(k), wanted.formula.of(equations, state))?;
+                    values[k] = wanted.finite(t, wanted.formula.of(equations, state))?;
                     Ok::<(), String>(())
                 })
             })?;
         }
         for (number, values) in values.iter().enumerate() {
             match self.wanted[number].reduction {
-                Max => self.tracks[number].greatest = self.peak(number, 1.0, values, &time, inside)?,
-                Min => self.tracks[number].least = 0.0 - self.peak(number, -1.0, values, &time, inside)?,
+                Max => self.tracks[number].greatest = self.peak(number, 1.0, values, &times, inside)?,
+                Min => self.tracks[number].least = 0.0 - self.peak(number, -1.0, values, &times, inside)?,
                 Mean => self.tracks[number].integral += self.integral(number, *values, [from, to], inside)?,
                 _ => {}
             }
@@ -212,7 +212,8 @@ impl Gathering<'_, '_> {
         const TOLERANCE: f64 = 1e-7;
         /// How often an interval is halved at most.
         const DEEPEST: u32 = 24;
-        /// How many intervals of one step are halved at most: some jumps take fewer, for noise no number is enough.
+        /// How many intervals of one step are halved at most. A few jumps take fewer; rounding noise would take any
+        /// number.
         const MOST: usize = 500;
         let size = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let allowed = TOLERANCE * size * (to - from).abs();
@@ -229,8 +230,7 @@ impl Gathering<'_, '_> {
             let middle = from + 0.5 * (to - from);
             for (from, to) in [(middle, to), (from, middle)] {
                 let mut values = [0.0; PARTS + 1];
-                for (k, value) in values.iter_mut().enumerate() {
-                    let t = if k == PARTS { to } else { from + (to - from) * k as f64 / PARTS as f64 };
+                for (value, t) in values.iter_mut().zip(places(from, to)) {
                     inside(t, &mut self.moving)?;
                     *value = self.wanted[number].at(self.equations, t, &self.moving)?;
                 }
@@ -246,7 +246,7 @@ impl Gathering<'_, '_> {
         number: usize,
         sign: f64,
         values: &[f64; PARTS + 1],
-        time: &dyn Fn(usize) -> f64,
+        times: &[f64; PARTS + 1],
         inside: &mut Inside<'_>,
     ) -> Result<f64, String> {
         /// 1/φ
@@ -266,7 +266,7 @@ impl Gathering<'_, '_> {
             inside(t, &mut self.moving)?;
             Ok(sign * wanted.at(self.equations, t, &self.moving)?)
         };
-        let (mut a, mut b) = (time(low), time(high));
+        let (mut a, mut b) = (times[low], times[high]);
         let (mut left, mut right) = (b - GOLDEN * (b - a), a + GOLDEN * (b - a));
         let (mut at_left, mut at_right) = (value(left)?, value(right)?);
         // The place is then known to a millionth of the step, the value to the square of that.
@@ -284,6 +284,11 @@ impl Gathering<'_, '_> {
         }
         Ok(peak.max(at_left).max(at_right))
     }
+}
+
+/// Both ends of a step, and equally far apart what lies between them.
+fn places(from: f64, to: f64) -> [f64; PARTS + 1] {
+    std::array::from_fn(|k| if k == PARTS { to } else { from + (to - from) * k as f64 / PARTS as f64 })
 }
 
 /// The integral over values that are equally far apart, an odd number of them.

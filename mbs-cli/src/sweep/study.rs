@@ -422,13 +422,15 @@ impl Reading<'_> {
         let step = motion.step.as_ref().map(|step| self.positive(step, "s")).transpose()?;
         let longest = motion.max_step.as_ref().map(|step| self.positive(step, "s")).transpose()?;
         let has_control = method.has_error_control();
-        let span = |value: &Option<Located<f64>>| value.as_ref().map(|value| value.span.clone());
-        let longest_span = motion.max_step.as_ref().map(|step| step.span.clone());
-        let idle = [(span(&motion.relative), "rtol"), (span(&motion.absolute), "atol"), (longest_span, "max_step")];
-        let idle = idle.into_iter().find_map(|(span, name)| Some((span?, name)));
-        if let Some((span, name)) = idle.filter(|_| !has_control) {
+        let of_control = [
+            (motion.relative.as_ref().map(|value| &value.span), "rtol"),
+            (motion.absolute.as_ref().map(|value| &value.span), "atol"),
+            (motion.max_step.as_ref().map(|step| &step.span), "max_step"),
+        ];
+        let given = of_control.into_iter().find_map(|(span, name)| Some((span?, name)));
+        if let Some((span, name)) = given.filter(|_| !has_control) {
             let message = format!("the method has no error control, `{name}` does nothing");
-            return Err(self.text.fault(Fault::new(span, message)));
+            return Err(self.text.fault(Fault::new(span.clone(), message)));
         }
         if let (Some(step), true) = (&motion.step, has_control) {
             let fault = Fault::new(step.span.clone(), "the method chooses its steps itself, `step` does nothing");

@@ -5,7 +5,6 @@
 //! statements, which give names values, and expressions, whose value is to be that of the Program. So every token is
 //! read but for comments and documentation. What files of a language share is compared with what it is kept as.
 //!
-//! - `token`: words, numbers, marks;
 //! - `dialect`: what languages differ in;
 //! - `expression`, `statement`: what is computed;
 //! - `sheet`: what functions are to give, with slots for it;
@@ -21,7 +20,6 @@ mod sheet;
 mod statement;
 #[cfg(test)]
 mod tests;
-mod token;
 
 use std::collections::{HashMap, HashSet};
 
@@ -32,10 +30,10 @@ use crate::verify::Failure;
 use super::misprint;
 use super::numbering::Numbering;
 use super::reading::Reading;
+use super::token::{Kind, Token, tokens};
 use dialect::{Dialect, Family};
 use expression::Reader;
 use sheet::Sheet;
-use token::{Kind, Token, tokens};
 
 /// Reads a text in another language than Rust.
 pub(super) fn proofread(
@@ -194,11 +192,11 @@ impl Comparison<'_, '_> {
         let reader = &mut self.reader;
         loop {
             let own = match reader.peek() {
-                Some(Token { kind: Kind::Name, text: "mbs_real" }) => {
+                Some(Token { kind: Kind::Name, text: "mbs_real", .. }) => {
                     reader.at += 1;
                     reader.name()?
                 }
-                Some(Token { kind: Kind::Name, text }) if text.starts_with('#') => {
+                Some(Token { kind: Kind::Name, text, .. }) if text.starts_with('#') => {
                     reader.at += 1;
                     &text[1..]
                 }

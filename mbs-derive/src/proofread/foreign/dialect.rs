@@ -3,7 +3,7 @@
 use crate::emit::{Language, Trigonometry};
 use crate::expr::{Binary, Function};
 
-use super::token::{Lexis, Lines};
+use super::super::token::{Lexis, Lines};
 
 /// How statements stand in a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,6 +74,7 @@ const C: Dialect = Dialect {
     lexis: Lexis {
         comment: "//",
         has_blocks: true,
+        joints: &[".", "->"],
         has_directives: true,
         quotes: "\"'",
         has_docstrings: false,
@@ -111,6 +112,7 @@ const PYTHON: Dialect = Dialect {
     lexis: Lexis {
         comment: "#",
         has_blocks: false,
+        joints: C.lexis.joints,
         has_directives: false,
         quotes: "\"'",
         has_docstrings: true,

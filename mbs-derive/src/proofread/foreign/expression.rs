@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use std::rc::Rc;
 
 use super::super::numbering::{Number, Numbering};
-use super::super::reading::Reading;
+use super::super::reading::{Reading, unknown};
+use super::super::token::{Kind, Token};
 use super::dialect::{Dialect, Family, Meant};
-use super::token::{Kind, Token};
 
 /// What a variable is.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,7 +82,7 @@ impl<'t> Reader<'_, 't> {
     /// A name without fields behind it.
     pub(super) fn name(&mut self) -> Reading<&'t str> {
         match self.peek() {
-            Some(Token { kind: Kind::Name, text }) if !text.contains(['.', '-', '#']) => {
+            Some(Token { kind: Kind::Name, text, .. }) if !text.contains(['.', '-', '#']) => {
                 self.at += 1;
                 Ok(text)
             }
@@ -106,7 +106,7 @@ impl<'t> Reader<'_, 't> {
     pub(super) fn unknown<T>(&self) -> Reading<T> {
         let some = self.tokens[self.at.saturating_sub(4).min(self.tokens.len())..].iter().take(10);
         let some: Vec<&str> = some.map(|token| token.text.trim()).filter(|text| !text.is_empty()).collect();
-        Err(format!("`{}` cannot be read", some.join(" ")))
+        unknown(&some.join(" "))
     }
 
     /// The number of an expression.

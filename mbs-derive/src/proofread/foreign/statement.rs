@@ -4,9 +4,9 @@ use crate::expr::Function;
 
 use super::super::numbering::Number;
 use super::super::reading::Reading;
+use super::super::token::Kind;
 use super::dialect::Family;
 use super::expression::{Reader, Value};
-use super::token::Kind;
 
 /// A side of a branch that is open, and what is known of the other one.
 pub(super) struct Side<'t> {

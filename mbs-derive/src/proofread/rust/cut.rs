@@ -1,7 +1,8 @@
 //! A module in which names stand for the bodies that have arithmetic in them.
 
 use super::super::reading::Reading;
-use super::token::{Token, tokens};
+use super::super::token::Token;
+use super::tokens;
 
 /// A module without its functions' bodies, and the bodies.
 pub(in crate::proofread) struct Cut<'t> {
@@ -23,7 +24,7 @@ pub(in crate::proofread) fn body_of(block: &syn::Block) -> Option<usize> {
 /// Cuts out the bodies of functions that compute: those of `Params`, where it is checked and has its defaults, and of
 /// the mechanism, but for two that do not.
 pub(in crate::proofread) fn cut(code: &str) -> Reading<Cut<'_>> {
-    let tokens = tokens(code);
+    let tokens = tokens(code)?;
     if tokens.windows(2).any(|pair| pair[0].is(NAME) && pair[1].is("!")) {
         return Err(format!("`{NAME}!` stands in the text already"));
     }

@@ -1,7 +1,8 @@
 //! Tokens → a tree: by the precedence of operators, each read as Rust reads it. What is not emitted is refused.
 
 use super::super::reading::{Reading, cannot_read, unknown};
-use super::token::{Kind, Token, tokens};
+use super::super::token::{Kind, Token};
+use super::tokens;
 use super::tree::{Block, Expression, ExpressionKind, Pattern, PatternKind, Statement};
 
 /// Operators of two operands, those that bind least first.
@@ -18,7 +19,7 @@ pub(in crate::proofread) fn expression(text: &str) -> Reading<Expression<'_>> {
 }
 
 fn whole<'t, T>(text: &'t str, read: impl FnOnce(&mut Parser<'t>) -> Reading<T>) -> Reading<T> {
-    let mut parser = Parser { source: text, tokens: tokens(text), at: 0, is_head: false };
+    let mut parser = Parser { source: text, tokens: tokens(text)?, at: 0, is_head: false };
     let tree = read(&mut parser)?;
     if parser.at == parser.tokens.len() { Ok(tree) } else { parser.unknown() }
 }
@@ -322,10 +323,9 @@ impl<'t> Parser<'t> {
         let kind = match (token.kind, token.text) {
             (Kind::Number, text) => {
                 self.at += 1;
-                let is_plain = text.starts_with(|c: char| c.is_ascii_digit()) && !text.contains('_');
                 let float = || text.parse().ok().map(ExpressionKind::Float);
                 let integer = text.parse().ok().map(ExpressionKind::Integer);
-                match integer.or_else(float).filter(|_| is_plain) {
+                match integer.or_else(float) {
                     Some(kind) => kind,
                     None => return Err(cannot_read(text)),
                 }

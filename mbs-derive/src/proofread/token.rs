@@ -1,11 +1,13 @@
-//! Words, numbers and marks of a text, for all languages that are not Rust.
+//! Words, numbers and marks of a text, for all languages.
 
-use super::super::reading::Reading;
+use std::ops::Range;
+
+use super::reading::Reading;
 
 /// What a token is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// A name, with the fields behind it: `self->params.m`, `this.#k`.
+    /// A name; where fields belong to it, with those behind it: `self->params.m`, `this.#k`.
     Name,
     Number,
     Text,
@@ -22,9 +24,15 @@ pub(super) enum Kind {
 pub(super) struct Token<'t> {
     pub(super) kind: Kind,
     pub(super) text: &'t str,
+    /// Where it begins.
+    pub(super) start: usize,
 }
 
 impl Token<'_> {
+    pub(super) fn range(&self) -> Range<usize> {
+        self.start..self.start + self.text.len()
+    }
+
     pub(super) fn is(&self, mark: &str) -> bool {
         self.text == mark && !matches!(self.kind, Kind::Text | Kind::Line)
     }
@@ -37,6 +45,8 @@ pub(super) struct Lexis {
     pub(super) comment: &'static str,
     /// Whether there are `/* … */`.
     pub(super) has_blocks: bool,
+    /// What joins the words of one name.
+    pub(super) joints: &'static [&'static str],
     /// Whether lines that begin with `#` are directives.
     pub(super) has_directives: bool,
     /// What is around texts.
@@ -59,7 +69,7 @@ pub(super) enum Lines {
 }
 
 /// Marks of more than one character; longer ones first.
-const MARKS: [&str; 13] = ["...", "->", "<=", ">=", "==", "!=", "~=", "&&", "||", "++", "+=", "=>", "::"];
+const MARKS: [&str; 14] = ["...", "..", "->", "<=", ">=", "==", "!=", "~=", "&&", "||", "++", "+=", "=>", "::"];
 
 pub(super) fn tokens<'t>(text: &'t str, lexis: &Lexis) -> Reading<Vec<Token<'t>>> {
     let (mut tokens, mut at, mut depth) = (Vec::<Token<'t>>::new(), 0usize, 0usize);
@@ -99,7 +109,7 @@ pub(super) fn tokens<'t>(text: &'t str, lexis: &Lexis) -> Reading<Vec<Token<'t>>
         } else if c.is_ascii_digit() {
             (Some(Kind::Number), number(rest))
         } else if is_word(c) || (c == '#' && rest[1..].starts_with(is_word)) {
-            (Some(Kind::Name), name(rest))
+            (Some(Kind::Name), name(rest, lexis.joints))
         } else {
             match c {
                 '(' | '[' | '{' => depth += 1,
@@ -115,9 +125,9 @@ pub(super) fn tokens<'t>(text: &'t str, lexis: &Lexis) -> Reading<Vec<Token<'t>>
                 && lexis.lines != Lines::Free
                 && (kind != Kind::Slot || rest['⟨'.len_utf8()..].starts_with(|c: char| c.is_ascii_digit()))
             {
-                tokens.push(Token { kind: Kind::Line, text: indent });
+                tokens.push(Token { kind: Kind::Line, text: indent, start: at });
             }
-            tokens.push(Token { kind, text: &rest[..length] });
+            tokens.push(Token { kind, text: &rest[..length], start: at });
         }
         at += length;
     }
@@ -128,8 +138,8 @@ fn is_word(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// How long a name is with the fields behind it.
-fn name(text: &str) -> usize {
+/// How long a name is with the words that these join to it.
+fn name(text: &str, joints: &[&str]) -> usize {
     let word = |from: usize| {
         let rest = &text[from..];
         let own = usize::from(rest.starts_with('#'));
@@ -137,7 +147,7 @@ fn name(text: &str) -> usize {
     };
     let mut length = word(0);
     loop {
-        let mark = [".", "->"].iter().find(|mark| text[length..].starts_with(**mark)).map_or(0, |mark| mark.len());
+        let mark = joints.iter().find(|mark| text[length..].starts_with(**mark)).map_or(0, |mark| mark.len());
         let behind = &text[length + mark..];
         if mark == 0 || !behind.starts_with(|c: char| c == '#' || (is_word(c) && !c.is_ascii_digit())) {
             return length;
