@@ -20,45 +20,66 @@ const OF_GCC: [&str; 2] = ["-fschedule-insns", "-fsched-pressure"];
 /// The C compilers that are asked, in this order, until one compiles.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compilers {
-    names: Vec<OsString>,
+    /// Each a program, and arguments before ours.
+    commands: Vec<Vec<OsString>>,
 }
 
 impl Compilers {
     /// What `MBS_CC`, which may be empty for none, or `CC` names; else `cc`, `gcc` and `clang`.
+    ///
+    /// Behind blanks there may be arguments, as in `ccache gcc`, unless all of it is a file.
     pub fn of_environment() -> Self {
         let named = ["MBS_CC", "CC"].into_iter().find_map(env::var_os);
-        let names = named.map_or_else(|| ["cc", "gcc", "clang"].map(OsString::from).to_vec(), |name| vec![name]);
-        Compilers { names: names.into_iter().filter(|name| !name.is_empty()).collect() }
+        let commands = match named {
+            None => ["cc", "gcc", "clang"].map(|name| vec![OsString::from(name)]).to_vec(),
+            Some(name) => vec![Self::words(name)],
+        };
+        Compilers { commands: commands.into_iter().filter(|command| !command.is_empty()).collect() }
+    }
+
+    fn words(command: OsString) -> Vec<OsString> {
+        match command.to_str() {
+            Some(text) if !Path::new(text).is_file() => text.split_whitespace().map(OsString::from).collect(),
+            _ => vec![command],
+        }
     }
 
     /// One compiler, by a path or a name that is looked for in the folders of `PATH`.
     pub fn named(name: impl AsRef<OsStr>) -> Self {
-        Compilers { names: vec![name.as_ref().to_os_string()] }
+        Compilers { commands: vec![vec![name.as_ref().to_os_string()]] }
     }
 
     /// The files of those that are there.
     pub fn found(&self) -> Vec<PathBuf> {
+        self.ready().map(|(path, _)| path).collect()
+    }
+
+    /// Those that are there, with their arguments.
+    fn ready(&self) -> impl Iterator<Item = (PathBuf, &[OsString])> {
         let path = env::var_os("PATH");
         let folders: Vec<PathBuf> = path.map(|path| env::split_paths(&path).collect()).unwrap_or_default();
-        let found = |name: &OsString| {
+        let found = move |name: &OsString| {
             let path = PathBuf::from(name);
             let in_folders = || folders.iter().map(|folder| folder.join(name)).find(|path| path.is_file());
             if path.components().count() > 1 { Some(path).filter(|path| path.is_file()) } else { in_folders() }
         };
-        self.names.iter().filter_map(found).collect()
+        self.commands.iter().filter_map(move |command| {
+            let (name, arguments) = command.split_first()?;
+            Some((found(name)?, arguments))
+        })
     }
 
     /// The library of a text, by the first compiler that makes one, unless the folder has it already.
     pub(crate) fn made(&self, text: &str, folder: &Path) -> Result<PathBuf, NotCompiled> {
-        let found = self.found();
-        if found.is_empty() {
-            let names = self.names.iter().map(|name| name.to_string_lossy().into_owned()).collect();
-            return Err(NotCompiled::NoCompiler { names });
+        if self.found().is_empty() {
+            let names =
+                self.commands.iter().map(|command| command.join(OsStr::new(" ")).to_string_lossy().into_owned());
+            return Err(NotCompiled::NoCompiler { names: names.filter(|name| !name.is_empty()).collect() });
         }
         let folder = opened(folder).map_err(|error| NotCompiled::Folder { folder: folder.to_path_buf(), error })?;
         let mut reports = Vec::new();
-        for compiler in found {
-            match made(text, &compiler, &folder) {
+        for (compiler, arguments) in self.ready() {
+            match made(text, &compiler, arguments, &folder) {
                 Ok(library) => return Ok(library),
                 Err(report) => reports.push(report),
             }
@@ -77,10 +98,11 @@ fn opened(folder: &Path) -> std::io::Result<PathBuf> {
 }
 
 /// The path of the library, compiled unless it is there.
-fn made(text: &str, compiler: &Path, folder: &Path) -> Result<PathBuf, String> {
+fn made(text: &str, compiler: &Path, arguments: &[OsString], folder: &Path) -> Result<PathBuf, String> {
     static CALLS: AtomicUsize = AtomicUsize::new(0);
     let stamp = fs::metadata(compiler).and_then(|file| file.modified()).map(|time| format!("{time:?}"));
-    let program = format!("{} {:?} {FLAGS:?} {OF_GCC:?} {}", compiler.display(), stamp.ok(), env!("CARGO_PKG_VERSION"));
+    let version = env!("CARGO_PKG_VERSION");
+    let program = format!("{} {arguments:?} {:?} {FLAGS:?} {OF_GCC:?} {version}", compiler.display(), stamp.ok());
     let name = Digest::of([text.as_bytes(), program.as_bytes()]).to_string();
     let own = format!("{}-{}", std::process::id(), CALLS.fetch_add(1, Ordering::Relaxed));
     let library = folder.join(format!("{name}.so"));
@@ -94,7 +116,15 @@ fn made(text: &str, compiler: &Path, folder: &Path) -> Result<PathBuf, String> {
     fs::write(&unfinished_code, text).map_err(wrong)?;
     let compiled = |more: &[&str]| {
         let mut command = Command::new(compiler);
-        command.args(FLAGS).args(more).arg(&unfinished_code).arg("-o").arg(&unfinished).arg("-lm").output()
+        command
+            .args(arguments)
+            .args(FLAGS)
+            .args(more)
+            .arg(&unfinished_code)
+            .arg("-o")
+            .arg(&unfinished)
+            .arg("-lm")
+            .output()
     };
     let run = match compiled(&OF_GCC) {
         Ok(run) if !run.status.success() => compiled(&[]),
@@ -109,4 +139,19 @@ fn made(text: &str, compiler: &Path, folder: &Path) -> Result<PathBuf, String> {
         let _ = (fs::remove_file(&unfinished), fs::remove_file(&unfinished_code));
     }
     made.map(|()| library)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn compilers_have_arguments_behind_blanks() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a compiler");
+        std::fs::write(&file, "").unwrap();
+        assert_eq!(Compilers::words("ccache  gcc -O1 ".into()), ["ccache", "gcc", "-O1"]);
+        assert_eq!(Compilers::words(file.clone().into()), [file.as_os_str()]);
+        assert!(Compilers::words("".into()).is_empty());
+    }
 }

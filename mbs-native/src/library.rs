@@ -56,10 +56,15 @@ impl Library {
         wanted: impl Fn(&Function) -> bool,
     ) -> Result<Self, NotCompiled> {
         let (text, names) = source(derivation, wanted)?;
-        let path = compilers.made(&text, folder)?;
         let failed = |error: libloading::Error| NotCompiled::Unloadable { reason: error.to_string() };
         // SAFETY: it was made from `text` alone, which runs nothing when it is loaded.
-        let library = unsafe { libloading::Library::new(&path) }.map_err(failed)?;
+        let loaded = |path: &Path| unsafe { libloading::Library::new(path) };
+        let path = compilers.made(&text, folder)?;
+        let library = loaded(&path).or_else(|_| {
+            // What was kept is damaged, perhaps since the disk was full.
+            let _ = std::fs::remove_file(&path);
+            loaded(&compilers.made(&text, folder)?).map_err(failed)
+        })?;
         // SAFETY: `source` writes these functions with these types.
         let (size, new) = unsafe {
             let size = library.get::<unsafe extern "C" fn() -> usize>(c"mbs_native_size").map_err(failed)?();
@@ -249,6 +254,21 @@ mod tests {
             assert_eq!(instance.call(number, &[(&[], 1)], 0, &mut [&mut []]), Ok(()), "no states");
             assert_eq!(instance.call(number, &[(&[f64::NAN], 0)], 1, &mut [&mut result]), Ok(()));
             assert!(result[0].is_nan());
+        });
+    }
+
+    #[test]
+    fn a_damaged_library_is_made_again() {
+        with_library(|derivation, _| {
+            let (folder, compilers) = (tempfile::tempdir().unwrap(), Compilers::of_environment());
+            let compiled = || Library::compiled(derivation, &compilers, folder.path(), |_| true).map(drop);
+            compiled().unwrap();
+            for file in std::fs::read_dir(folder.path()).unwrap().map(|file| file.unwrap().path()) {
+                if file.extension().is_some_and(|kind| kind == "so") {
+                    std::fs::write(&file, "").unwrap();
+                }
+            }
+            compiled().unwrap();
         });
     }
 

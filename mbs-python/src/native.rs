@@ -13,9 +13,13 @@ pub(crate) fn library(derivation: &Derivation) -> Result<Library, String> {
     Library::compiled(derivation, &Compilers::of_environment(), &folder, |_| true).map_err(|error| error.to_string())
 }
 
+/// Compilers' files, their commands, and the folder of what they make.
+pub(crate) type Surroundings = (Vec<PathBuf>, Compilers, Option<OsString>);
+
 /// What decides how functions are compiled: the compilers, and the folder that is asked for.
-pub(crate) fn surroundings() -> (Vec<PathBuf>, Option<OsString>) {
-    (Compilers::of_environment().found(), env::var_os("MBS_CACHE_DIR"))
+pub(crate) fn surroundings() -> Surroundings {
+    let compilers = Compilers::of_environment();
+    (compilers.found(), compilers, env::var_os("MBS_CACHE_DIR"))
 }
 
 /// `MBS_CACHE_DIR`, or the user's cache folder; in it `mbs/python`.
