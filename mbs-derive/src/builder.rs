@@ -111,8 +111,8 @@ impl Mechanism {
         self.next.extend(lines(text));
     }
 
-    /// Reports say of the statements that follow that they were made there, for those who write mechanisms in another
-    /// language; values are moved by [`Scalar::at`] and its like.
+    /// Reports say of the statements that follow, and before the first of them of the mechanism's name, that they were
+    /// made there, for those who write mechanisms in another language; values are moved by [`Scalar::at`] and its like.
     ///
     /// ```
     /// use mbs_derive::{builder::Mechanism, source::Place};
@@ -124,6 +124,10 @@ impl Mechanism {
     /// assert!(error.render_in(&wrong.sources()).contains("--> model.py:7:3"));
     /// ```
     pub fn at(&mut self, place: Place) {
+        if self.at.is_none() && self.statements.is_empty() {
+            self.begun = place;
+            self.calls[0] = place;
+        }
         self.at = Some(place);
     }
 

@@ -30,6 +30,26 @@ mechanism Pendulum { param m: kg = 1.0; param l: m = 0.5, positive; param g: m/s
     output tip = bob; }"""
 
 
+def test_arrays_of_numpy_are_numbers_and_vectors():
+    def written(two, down, zeros):
+        m = mbs.Mechanism("Ball")
+        place = mbs.vector(m.coord("x", "m"), m.coord("y", "m"), m.coord("z", "m"))
+        m.kinetic(mbs.particle(two * mbs.quantity(1, "kg"), place))
+        m.gravity([0, 0, mbs.quantity(-9.81, "m/s^2")])
+        m.output("down", down)
+        m.constraint("c", place, zeros)
+        return mbs.compile(m)
+
+    one = written(2.0, [0, 0, -1], [0, 0, 0])
+    other = written(np.array(2.0), np.array([0, 0, -1]), np.zeros(3))
+    assert same_bits(one.mass_matrix([0, 0, 0]), other.mass_matrix([0, 0, 0])) and one.constraints == other.constraints
+
+
+def test_the_name_is_reported_where_the_mechanism_is_begun():
+    with pytest.raises(mbs.ModelError, match=r"test_mechanism.py:\d+"):
+        mbs.compile(mbs.Mechanism("a b"))
+
+
 def test_calls_and_text_are_one_mechanism():
     one, other = mbs.compile(pendulum()), mbs.compile(TEXT)
     q, qd, qdd, u = np.random.default_rng(1).uniform(-2, 2, (4, 20, 1))

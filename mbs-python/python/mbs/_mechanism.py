@@ -257,6 +257,8 @@ def _combined(operator: str, left: Any, right: Any) -> Any:
             return value
         if isinstance(value, (int, float, np.integer, np.floating)):
             return _scalar(value)
+        if isinstance(value, np.ndarray) and value.ndim == 0:
+            return valued(value[()])
         if isinstance(value, (list, tuple, np.ndarray)) and len(value) == 3:
             return _vector(value)
         return None
@@ -367,14 +369,14 @@ class Mechanism:
 
     def constraint(self, name: str, left: Any, right: Any, *, doc: str = "") -> None:
         """`left = right`, of numbers or of vectors."""
-        is_vector = any(isinstance(side, (Vector, list, tuple)) for side in (left, right))
+        is_vector = any(isinstance(side, Vector) or np.ndim(side) > 0 for side in (left, right))
         sides = [_vector(side) if is_vector else _scalar(side) for side in (left, right)]
         self._declare(_Value("constraint", sides, (), [name]), doc)
 
     def output(self, name: str, value: Any, *, doc: str = "") -> None:
         """A value whose velocity and Jacobian are generated, too."""
         if not isinstance(value, (Vector, Pose)):
-            value = _vector(value) if isinstance(value, (list, tuple)) else _scalar(value)
+            value = _vector(value) if np.ndim(value) > 0 else _scalar(value)
         self._declare(_Value("output", [value], (), [name]), doc)
 
     def reaction(self, name: str, pose: Pose, *, doc: str = "") -> Pose:
