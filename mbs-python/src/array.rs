@@ -1,11 +1,15 @@
 //! NumPy's arrays as slices.
 #![allow(unsafe_code)] // NumPy's memory is shared with Python: nothing but NumPy's own rules says who may write to it
 
+use std::ffi::c_int;
+
 use numpy::npyffi::array::PyArray_Check;
 use numpy::npyffi::flags::{NPY_ARRAY_ALIGNED, NPY_ARRAY_C_CONTIGUOUS};
 use numpy::npyffi::objects::PyArrayObject;
 use numpy::npyffi::types::NPY_TYPES;
-use numpy::{IxDyn, PyArrayDyn, PyArrayMethods};
+use numpy::npyffi::{PY_ARRAY_API, npy_intp};
+use numpy::{Element, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods};
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -70,7 +74,11 @@ impl<'py> Input<'py> {
 fn converted<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Input<'py>> {
     let py = value.py();
     let numpy = py.import(intern!(py, "numpy"))?;
-    let wrong = |error: PyErr| refused(format!("{name}: {}", error.value(py)));
+    // Ctrl+C, and that memory ends, are no faults of the argument.
+    let wrong = |error: PyErr| match is_of_argument(&error, py) {
+        true => refused(format!("{name}: {}", error.value(py))),
+        false => error,
+    };
     let array = numpy.call_method1(intern!(py, "asarray"), (value,)).map_err(wrong)?;
     let kind: String = array.getattr(intern!(py, "dtype"))?.getattr(intern!(py, "kind"))?.extract()?;
     if !matches!(kind.as_str(), "f" | "i" | "u" | "b") {
@@ -85,9 +93,25 @@ fn converted<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Input<'py>>
     Input::seen(&array).ok_or_else(|| refused(format!("{name}: NumPy does not make an array of doubles of it")))
 }
 
-/// A new array of zeros.
-pub(crate) fn zeros<'py>(py: Python<'py>, shape: &[usize]) -> Output<'py> {
-    Output(PyArrayDyn::zeros(py, IxDyn(shape), false))
+/// A new array of zeros, or NumPy's error: there is not enough memory, or there are too many axes.
+pub(crate) fn zeros<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Output<'py>> {
+    let refuse = || refused(format!("an array of the shape {shape:?} is too large"));
+    let mut lengths =
+        shape.iter().map(|&n| npy_intp::try_from(n)).collect::<Result<Vec<_>, _>>().map_err(|_| refuse())?;
+    let axes = c_int::try_from(lengths.len()).map_err(|_| refuse())?;
+    let kind = f64::get_dtype(py).into_dtype_ptr();
+    // SAFETY: as many lengths as axes; NumPy takes the type over, and answers a new array of it, or null and an error.
+    unsafe {
+        let array = PY_ARRAY_API.PyArray_Zeros(py, axes, lengths.as_mut_ptr(), kind, 0);
+        Ok(Output(Bound::from_owned_ptr_or_err(py, array)?.cast_into_unchecked()))
+    }
+}
+
+/// Whether NumPy says that a value is no array of numbers.
+fn is_of_argument(error: &PyErr, py: Python<'_>) -> bool {
+    error.is_instance_of::<PyValueError>(py)
+        || error.is_instance_of::<PyTypeError>(py)
+        || error.is_instance_of::<PyOverflowError>(py)
 }
 
 /// A new array that Python has not seen yet.
@@ -105,8 +129,8 @@ impl<'py> Output<'py> {
 }
 
 /// A new array with these numbers.
-pub(crate) fn copied<'py>(py: Python<'py>, shape: &[usize], values: &[f64]) -> Bound<'py, PyAny> {
-    let mut array = zeros(py, shape);
+pub(crate) fn copied<'py>(py: Python<'py>, shape: &[usize], values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
+    let mut array = zeros(py, shape)?;
     array.values().copy_from_slice(values);
-    array.finished()
+    Ok(array.finished())
 }

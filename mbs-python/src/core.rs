@@ -1,14 +1,12 @@
 //! A mechanism: derived, proved, compiled; its parameters; and what there is to say of it.
 
-use std::ffi::OsString;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError, RwLock};
 
 use mbs_derive::builder::Mechanism;
 use mbs_derive::expr::{Graph, Number};
 use mbs_derive::interpret::Violation;
 use mbs_derive::optimise::{Derivation, Shape};
-use mbs_derive::source::Sources;
+use mbs_derive::source::{Source, Sources, Unreadable};
 use mbs_derive::variable::{Variable, component_names};
 use mbs_derive::{Analysis, Error, emit};
 use pyo3::exceptions::PyRuntimeError;
@@ -38,6 +36,8 @@ struct About {
     /// Why it is not compiled.
     reason: Option<String>,
     proved_at: usize,
+    /// Names and texts of its files, its own first; none where calls have written it.
+    texts: Vec<(String, String)>,
 }
 
 /// What a mechanism is written as.
@@ -61,8 +61,7 @@ struct Derived {
     sources: Sources,
     freeze: Vec<String>,
     backend: Backend,
-    /// Compilers, and the folder of what they make.
-    surroundings: (Vec<PathBuf>, Option<OsString>),
+    surroundings: native::Surroundings,
 }
 
 /// The last that were derived in this process, the latest at the end.
@@ -120,7 +119,13 @@ impl Core {
             return Err(PyRuntimeError::new_err(format!("not compiled: {reason}")));
         }
         let functions = emit::Language::documented(&derivation);
-        let about = About { functions, warnings, latex, reason, proved_at: proof.states };
+        let texts = match written {
+            Written::Text(sources) => (0..sources.count()).map(|number| sources.file(number)).collect(),
+            Written::Calls(_) => Vec::new(),
+        };
+        let read = |file: &Source| Some((file.name.clone(), file.text.clone().ok()?));
+        let texts = texts.into_iter().filter_map(read).collect();
+        let about = About { functions, warnings, latex, reason, proved_at: proof.states, texts };
         let parameters = &derivation.parameters;
         let defaults = parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect();
         let engine = Engine::new(derivation, library);
@@ -174,6 +179,18 @@ impl Core {
         })
     }
 
+    /// From the [texts](Core::texts) of another one: no file is read.
+    #[staticmethod]
+    fn from_texts(py: Python<'_>, texts: Vec<(String, String)>, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
+        let backend = self::backend(backend)?;
+        let [(name, text), imported @ ..] = texts.as_slice() else { return Err(refused("texts: there are none")) };
+        let read = |name: &str| match imported.iter().find(|(own, _)| own == name) {
+            Some((_, text)) => Ok(text.clone().into_bytes()),
+            None => Err(Unreadable::new("it is not among the texts", "compile the mechanism from its file")),
+        };
+        py.detach(|| guarded(|| Core::of_texts(Sources::gather(name, text, read), freeze, backend)))
+    }
+
     /// From recorded calls of the builder's Python face.
     #[staticmethod]
     fn from_calls(calls: &Bound<'_, PyList>, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
@@ -188,9 +205,15 @@ impl Core {
         Ok(Function::new(&self.engine, &self.values, number, name))
     }
 
+    /// Names and texts of the files that it was derived from, its own first.
+    #[getter]
+    fn texts(&self) -> Vec<(String, String)> {
+        self.about.texts.clone()
+    }
+
     /// The parameters, flattened in the order of their declaration.
     #[getter]
-    fn parameters<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let values = self.current();
         array::copied(py, &[values.parameters.len()], &values.parameters)
     }

@@ -5,6 +5,7 @@ use std::sync::{Arc, RwLock};
 use mbs_derive::optimise::{self, FunctionKind, Shape};
 use mbs_native::Kind;
 pub(crate) use mbs_native::{Argument, arguments};
+use pyo3::exceptions::PyMemoryError;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
@@ -66,11 +67,11 @@ impl Function {
         for (argument, value) in self.arguments.iter().zip(args.iter_borrowed()) {
             inputs.push(match &self.multipliers {
                 Some(function) if value.is_none() => {
-                    // What it takes is among what this function takes, or zero.
-                    let given = |kind| self.arguments.iter().position(|argument| argument.kind == kind);
-                    let given = function.arguments.iter().map(|a| given(a.kind).and_then(|i| args.get_item(i).ok()));
-                    let zeros = function.arguments.iter().map(|a| array::zeros(py, &a.shape).finished());
-                    let given: Vec<_> = given.zip(zeros).map(|(given, zeros)| given.unwrap_or(zeros)).collect();
+                    let given = function.arguments.iter().map(|needed| {
+                        let place = self.arguments.iter().position(|own| own.kind == needed.kind);
+                        place.map_or_else(|| Err(self.missing(function, needed)), |place| args.get_item(place))
+                    });
+                    let given = given.collect::<PyResult<Vec<_>>>()?;
                     let value = found.insert(function.called(&PyTuple::new(py, given)?)?.remove(0));
                     Input::of(argument.kind.name(), value)?
                 }
@@ -84,7 +85,7 @@ impl Function {
             for (argument, input) in self.arguments.iter().zip(&inputs) {
                 let (leading, n) = (leading(argument, input), argument.count());
                 let is_as_it_is = input.values().len() == n || leading == batch;
-                copies.push(if is_as_it_is { Vec::new() } else { spread(input.values(), leading, &batch, n) });
+                copies.push(if is_as_it_is { Vec::new() } else { spread(input.values(), leading, &batch, n)? });
             }
         }
         let mut operands: Vec<(&[f64], usize)> = Vec::with_capacity(inputs.len());
@@ -95,7 +96,8 @@ impl Function {
             operands.push((values, if is_stepped { argument.count() } else { 0 }));
         }
         let shape = |axes: &Vec<usize>| [batch.as_slice(), axes].concat();
-        let mut outputs: Vec<_> = self.results.iter().map(|(axes, _)| array::zeros(py, &shape(axes))).collect();
+        let outputs = self.results.iter().map(|(axes, _)| array::zeros(py, &shape(axes)));
+        let mut outputs = outputs.collect::<PyResult<Vec<_>>>()?;
         let mut results: Vec<&mut [f64]> = outputs.iter_mut().map(|output| output.values()).collect();
         let values = Arc::clone(&self.values.read().unwrap_or_else(|poisoned| poisoned.into_inner()));
         let engine = &self.engine;
@@ -107,6 +109,17 @@ impl Function {
             run()
         }
         Ok(outputs.into_iter().map(array::Output::finished).collect())
+    }
+
+    /// Multipliers of the motion depend on what this function does not know.
+    fn missing(&self, multipliers: &Function, needed: &Argument) -> PyErr {
+        let arguments: Vec<&str> = multipliers.arguments.iter().map(|argument| argument.kind.name()).collect();
+        refused(format!(
+            "multipliers: those of the motion depend on `{}`, which {} does not take; give it multipliers({})",
+            needed.kind.name(),
+            self.name,
+            arguments.join(", ")
+        ))
     }
 
     /// The leading axes of the result; arguments are looked at.
@@ -194,7 +207,7 @@ fn size(batch: &[usize], name: &str) -> PyResult<usize> {
 }
 
 /// An argument of these leading axes, repeated to those of the batch; each entry has `n` numbers.
-fn spread(values: &[f64], leading: &[usize], batch: &[usize], n: usize) -> Vec<f64> {
+fn spread(values: &[f64], leading: &[usize], batch: &[usize], n: usize) -> PyResult<Vec<f64>> {
     let axes = batch.len();
     let own = |axis: usize| (axis + leading.len()).checked_sub(axes).map_or(1, |i| leading[i]);
     let mut strides = vec![0; axes];
@@ -204,7 +217,9 @@ fn spread(values: &[f64], leading: &[usize], batch: &[usize], n: usize) -> Vec<f
         stride *= own(axis);
     }
     let count = batch.iter().product::<usize>();
-    let mut spread = Vec::with_capacity(count * n);
+    let mut spread = Vec::new();
+    let reserved = spread.try_reserve_exact(count * n);
+    reserved.map_err(|_| PyMemoryError::new_err(format!("there is no memory for {count} states of {n} numbers")))?;
     let mut index = vec![0; axes];
     for _ in 0..count {
         let start: usize = index.iter().zip(&strides).map(|(i, stride)| i * stride).sum();
@@ -217,5 +232,5 @@ fn spread(values: &[f64], leading: &[usize], batch: &[usize], n: usize) -> Vec<f
             index[axis] = 0;
         }
     }
-    spread
+    Ok(spread)
 }

@@ -9,8 +9,8 @@ use mbs_derive::optimise::{Argument, FunctionKind};
 use mbs_derive::variable::component_names;
 use mbs_native::Kind;
 use mbs_runtime::{
-    Constraints, Direction, Dop853, Dopri5, Event, GaussLegendre4, IntegrationError, Integrator, Projector,
-    RedundantRows, Response, Rk4, SemiImplicitEuler, State, Step, StormerVerlet, Summary,
+    ConstraintError, Constraints, Direction, Dop853, Dopri5, Event, GaussLegendre4, IntegrationError, Integrator,
+    Projector, RedundantRows, Response, Rk4, SemiImplicitEuler, State, Step, StormerVerlet, Summary,
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -46,7 +46,7 @@ impl Given {
             Given::Called { name, shape, function } => {
                 *numbers = Python::attach(|py| {
                     let value = match state {
-                        Some((q, qd)) => function.bind(py).call1((t, vector(py, q), vector(py, qd))),
+                        Some((q, qd)) => function.bind(py).call1((t, vector(py, q)?, vector(py, qd)?)),
                         None => function.bind(py).call1((t,)),
                     };
                     read(name, &value?, shape)
@@ -69,7 +69,7 @@ fn read(name: &str, value: &Bound<'_, PyAny>, shape: &[usize]) -> PyResult<Vec<f
     }
 }
 
-fn vector<'py>(py: Python<'py>, values: &[f64]) -> Bound<'py, PyAny> {
+fn vector<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>> {
     array::copied(py, &[values.len()], values)
 }
 
@@ -267,18 +267,25 @@ impl Equations {
         is_projected: bool,
     ) -> PyResult<Motion> {
         let size = Projector::<f64, Vec<f64>>::size(start.q.len(), self.rows());
-        let mut projector = Projector::new(vec![0.0; size]).with_redundant_rows(RedundantRows::LeaveOut);
+        let projector = Projector::new(vec![0.0; size]).with_redundant_rows(RedundantRows::LeaveOut);
+        let projector = RefCell::new(projector);
         let is_projected = is_projected && self.rows() > 0;
+        // States that steps and actions lead to are brought onto the constraints as the first one is.
+        let brought = |t: f64, state: &mut Moving| match is_projected {
+            true => projector.borrow_mut().project(self, t, state),
+            false => Ok(()),
+        };
         let mut moving = start;
-        if is_projected {
-            let assembled = projector.assemble(self, t, &mut moving, |_| false);
-            self.raise()?;
-            assembled.map_err(|error| refused(format!("q, qd: no state on the constraints is near: {error}")))?;
-        }
+        let assembled = brought(t, &mut moving);
+        self.raise()?;
+        assembled.map_err(|error| refused(format!("q, qd: no state on the constraints is near: {error}")))?;
         let (mut rows, log) = (Rows::default(), RefCell::new(Log::new()));
         let functions: Vec<_> = declared.iter().map(|(function, ..)| self.event_function(function)).collect();
-        let mut actions: Vec<_> =
-            declared.iter().enumerate().map(|(i, (.., action))| self.event_action(i, action.as_ref(), &log)).collect();
+        let mut actions: Vec<_> = declared
+            .iter()
+            .enumerate()
+            .map(|(i, (.., action))| self.event_action(i, action.as_ref(), &log, &brought))
+            .collect();
         let mut events: Vec<Event<'_, Vec<f64>>> = Vec::new();
         for ((function, action), (_, direction, terminal, _)) in functions.iter().zip(&mut actions).zip(declared) {
             let direction = match direction {
@@ -298,10 +305,8 @@ impl Equations {
             rows.push(t, &moving);
         }
         let mut sampled = moving.clone();
-        let mut closed = |at: f64, state: &mut Moving| match is_projected {
-            true => projector.project(self, at, state).map_err(|error| format!("off the constraints: {error}")),
-            false => Ok(()),
-        };
+        let closed =
+            |at: f64, state: &mut Moving| brought(at, state).map_err(|error| format!("off the constraints: {error}"));
         let observer = |step: &mut dyn Step<Vec<f64>>| {
             let (begin, end) = (step.previous_time(), step.time());
             if self.error.borrow().is_some() {
@@ -349,7 +354,7 @@ impl Equations {
     fn event_function(&self, function: &Py<PyAny>) -> impl Fn(f64, &Moving) -> f64 {
         move |t, state| {
             self.asked(f64::NAN, |py| {
-                function.bind(py).call1((t, vector(py, &state.q), vector(py, &state.qd)))?.extract()
+                function.bind(py).call1((t, vector(py, &state.q)?, vector(py, &state.qd)?))?.extract()
             })
         }
     }
@@ -360,12 +365,13 @@ impl Equations {
         number: usize,
         action: Option<&Py<PyAny>>,
         log: &RefCell<Log>,
+        brought: &impl Fn(f64, &mut Moving) -> Result<(), ConstraintError>,
     ) -> impl FnMut(f64, &mut Moving) -> Response {
         move |t, state| {
             log.borrow_mut().push((number, t, state.q.clone(), state.qd.clone()));
             let Some(action) = action else { return Response::Continue };
             self.asked(Response::Stop, |py| {
-                let answer = action.bind(py).call1((t, vector(py, &state.q), vector(py, &state.qd)))?;
+                let answer = action.bind(py).call1((t, vector(py, &state.q)?, vector(py, &state.qd)?))?;
                 if answer.is_none() {
                     return Ok(Response::Continue);
                 }
@@ -382,6 +388,8 @@ impl Equations {
                 let (q, qd) =
                     (read("action q", &pair.get_item(0)?, &shape)?, read("action qd", &pair.get_item(1)?, &shape)?);
                 (state.q, state.qd) = (q, qd);
+                let brought = brought(t, state);
+                brought.map_err(|e| refused(format!("action: no state on the constraints is near: {e}")))?;
                 Ok(Response::Continue)
             })
         }
@@ -410,6 +418,30 @@ fn integrated(
         "stormer_verlet" => by!(StormerVerlet::new(step)),
         _ => by!(SemiImplicitEuler::new(step)),
     }
+}
+
+/// Times within a span, in its direction; those beyond its end by rounding are its end.
+fn ordered(mut times: Vec<f64>, (begin, end): (f64, f64)) -> PyResult<Vec<f64>> {
+    let rounding = 4.0 * f64::EPSILON * begin.abs().max(end.abs());
+    let follows = |first: f64, second: f64| if begin <= end { first <= second } else { second <= first };
+    let mut last = begin;
+    for (i, time) in times.iter_mut().enumerate() {
+        if !follows(*time, end) && (*time - end).abs() <= rounding {
+            *time = end;
+        }
+        let wrong = |how: &str| refused(format!("times: entry {i}, {time:?}, {how}"));
+        if !follows(begin, *time) {
+            return Err(wrong(&format!("lies before the first time, t[0] = {begin:?}")));
+        }
+        if !follows(*time, end) {
+            return Err(wrong(&format!("lies behind the last time, t[1] = {end:?}")));
+        }
+        if !follows(last, *time) {
+            return Err(wrong(&format!("lies before the one before it, {last:?}; times go from t[0] to t[1]")));
+        }
+        last = *time;
+    }
+    Ok(times)
 }
 
 /// The motion from a state; see `Model.simulate`, which is its face.
@@ -447,13 +479,7 @@ pub(crate) fn simulate<'py>(
             return Err(refused(format!("{name}: {time} is not finite")));
         }
     }
-    let ordered = times.iter().flatten().try_fold(t.0, |last, &time| {
-        let is_next = if t.0 <= t.1 { last <= time && time <= t.1 } else { t.1 <= time && time <= last };
-        is_next.then_some(time)
-    });
-    if ordered.is_none() {
-        return Err(refused("times: they do not go one way, from t[0] to t[1]"));
-    }
+    let times = times.map(|times| ordered(times, t)).transpose()?;
     let equations = Equations {
         engine: Arc::clone(&core.engine),
         values: core.current(),
@@ -466,13 +492,13 @@ pub(crate) fn simulate<'py>(
     let motion = py.detach(move || guarded(work))?;
     let result = PyDict::new(py);
     let rows = &motion.rows;
-    result.set_item("t", vector(py, &rows.t))?;
-    result.set_item("q", array::copied(py, &[rows.t.len(), n], &rows.q))?;
-    result.set_item("qd", array::copied(py, &[rows.t.len(), n], &rows.qd))?;
-    let events = motion.events.iter().map(|(i, t, q, qd)| (*i, *t, vector(py, q), vector(py, qd)));
-    result.set_item("events", events.collect::<Vec<_>>())?;
+    result.set_item("t", vector(py, &rows.t)?)?;
+    result.set_item("q", array::copied(py, &[rows.t.len(), n], &rows.q)?)?;
+    result.set_item("qd", array::copied(py, &[rows.t.len(), n], &rows.qd)?)?;
+    let events = motion.events.iter().map(|(i, t, q, qd)| Ok((*i, *t, vector(py, q)?, vector(py, qd)?)));
+    result.set_item("events", events.collect::<PyResult<Vec<_>>>()?)?;
     let Summary { time, stopped, evaluations, accepted, rejected, .. } = motion.summary;
-    result.set_item("end", (time, vector(py, &motion.end.q), vector(py, &motion.end.qd)))?;
+    result.set_item("end", (time, vector(py, &motion.end.q)?, vector(py, &motion.end.qd)?))?;
     result.set_item("stopped", stopped)?;
     result.set_item("counts", (evaluations, accepted, rejected))?;
     Ok(result)

@@ -1,6 +1,7 @@
 """What functions take, and what they refuse by name."""
 
 import copy
+import pathlib
 import pickle
 import threading
 
@@ -149,6 +150,37 @@ def test_arrays_of_parameters():
     with pytest.raises(ValueError, match="expected the shape"):
         own.params.mass = [1, 2]
     assert own.params.mass.tolist() == [2, 10, 14]
+    # Operators in place set what they change; views and other ways to write say that they do not.
+    held = own.params.mass
+    own.params.mass *= 2
+    held += 1
+    assert own.params.mass.tolist() == [5, 21, 29] == held.tolist()
+    own.params.mass = [4, 5, 6]
+    held[0] = 1
+    assert own.params.mass.tolist() == [1, 5, 6] == held.tolist()
+    for write in [
+        lambda: own.params.inertia[0].__setitem__(1, 7.0),
+        lambda: own.params.mass[1:].__setitem__(0, 7.0),
+        lambda: own.params.mass.fill(7.0),
+        lambda: np.negative(held, out=held),
+    ]:
+        with pytest.raises(ValueError, match="read-only"):
+            write()
+    doubled = held * 2
+    doubled[0] = 9
+    assert own.params.mass.tolist() == [1, 5, 6] and doubled.tolist() == [9, 10, 12]
+
+
+def test_parameters_that_are_assigned_together():
+    own = model("pendulum").with_params()
+    own.params = {"m": 2.0, "l": 0.5}
+    assert (own.params.m, own.params.l) == (2.0, 0.5)
+    assert copy.copy(own.params) == dict(own.params) == pickle.loads(pickle.dumps(own.params))
+    own = mbs.compile("mechanism A { param unit: kg = 1; coord x: m; kinetic += unit*dt(x)^2/2; }")
+    with pytest.raises(AttributeError, match="params.unit is a method"):
+        own.params.unit = 2.0
+    own.params["unit"] = 2.0
+    assert own.mass_matrix([0.0]) == 2.0
 
 
 def test_names_of_python_are_no_trouble():
@@ -158,6 +190,26 @@ def test_names_of_python_are_no_trouble():
     assert found == {"simulate": 2.0, "name": 4.0, "functions": 6.0, "None": 2.0, "yield": 8.0}
     assert own.simulate_([2.0]) == 2.0 and own.name == "class_" and own.yield_([2.0]) == 8.0
     assert own.params["lambda"] == 1.0 and len(own.simulate([1.0], t=1.0)) > 1
+    own = mbs.compile(
+        "mechanism A { coord x: m; coord y: m; kinetic += 1 kg*(dt(x)^2 + dt(y)^2)/2; output name = x; "
+        "output name_ = y; output _core = 2*x; }"
+    )
+    assert {name: own.functions[name]([2.0, 3.0]) for name in ["name", "name_", "_core"]} == {
+        "name": 2.0,
+        "name_": 3.0,
+        "_core": 4.0,
+    }
+
+
+def test_results_that_are_too_large():
+    own = model("pendulum")
+    many, promises = 1 << 19, pathlib.Path("/proc/sys/vm/overcommit_memory")
+    # Linux may be told to promise all memory that is asked for.
+    if not promises.exists() or promises.read_text().strip() != "1":
+        with pytest.raises(MemoryError):
+            own.forward_dynamics(np.zeros((many, 1, 1)), np.zeros((1, many, 1)), [0.0])
+    with pytest.raises(ValueError, match="64"):
+        own.mass_matrix(np.zeros((1,) * 63 + (1,)))
 
 
 def test_copies_are_models():
@@ -176,6 +228,18 @@ def test_models_travel_to_other_processes():
         other = pickle.loads(pickle.dumps(own))
         assert dict(other.params) == dict(own.params)
         assert same_bits(other.mass_matrix([0.3]), own.mass_matrix([0.3]))
+
+
+def test_pickled_models_are_those_of_the_texts_of_then(tmp_path):
+    (tmp_path / "mass.mbs").write_text("const half = 1/2;")
+    (tmp_path / "a.mbs").write_text(
+        'import "mass.mbs"; mechanism A { param m: kg = 2; coord z: m; kinetic += half*m*dt(z)^2; }'
+    )
+    own = mbs.compile(tmp_path / "a.mbs", params={"m": 3.0})
+    kept = pickle.dumps(own)
+    for file in tmp_path.iterdir():
+        file.unlink()
+    assert pickle.loads(kept).mass_matrix([0.0]) == 3.0
 
 
 def test_many_threads_of_python_at_once():

@@ -134,12 +134,17 @@ def test_compiled_and_interpreted_motions_are_the_same():
         (dict(t=(0, np.inf)), "t[1]"),
         (dict(t=(0, 1, 2)), "t: the last time, or a pair"),
         (dict(t="a"), "t"),
-        (dict(times=[0.0, 11.0]), "times"),
-        (dict(times=[1.0, 0.5]), "times"),
+        (dict(times=[0.0, 11.0]), "times: entry 1, 11.0, lies behind the last time, t[1] = 10.0"),
+        (dict(times=[1.0, 0.5]), "times: entry 1, 0.5, lies before the one before it, 1.0"),
+        (dict(times=[-1.0, 0.5]), "times: entry 0, -1.0, lies before the first time"),
+        (dict(times=["a"]), "times"),
         (dict(method="euler"), 'method: "euler" is none of'),
         (dict(rtol=-1.0), "tolerances must be positive"),
         (dict(rtol="x"), "rtol"),
         (dict(method="rk4", step=np.nan), "step"),
+        (dict(method="rk4", step=0.0), "step: it must be positive, found 0.0"),
+        (dict(method="rk4", step=-1), "step: it must be positive, found -1"),
+        (dict(max_step=0), "max_step: it must be positive, found 0"),
         (dict(max_steps=0), "max_steps"),
         (dict(u=[1.0, 2.0]), "u: expected an array of the shape [1]"),
         (dict(u=lambda t, q, qd: [np.nan]), "u: entry 0 is NaN"),
@@ -157,6 +162,35 @@ def test_what_is_refused(given, words):
     assert words in str(error.value), error.value
 
 
+def test_the_last_time_may_be_off_by_rounding():
+    motion = mbs.compile(SPRING).simulate([1.0], t=0.3, times=np.arange(4) * 0.1)
+    assert motion.t.tolist() == [0.0, 0.1, 0.2, 0.3]
+
+
+def test_short_pushes_are_not_stepped_over():
+    # A force of 10 N while a car of 1 kg that runs at 1 m/s passes 0.1 m: v² = 1 + 2·10·0.1.
+    text = "mechanism A { coord x: m; kinetic += 1 kg*dt(x)^2/2; force x += if abs(x - 5.27 m) < 0.05 m {10 N} else {0 N}; }"
+    own = mbs.compile(text)
+    for given in [dict(t=100.0, times=np.linspace(0, 100, 1001)), dict(t=5.6)]:
+        motion = own.simulate([0.0], [1.0], **given)
+        assert motion.qd[-1, 0] == pytest.approx(np.sqrt(3), abs=1e-7)
+
+
+def test_states_that_actions_return_are_brought_onto_the_constraints():
+    own = model("cartesian_pendulum")
+    push = mbs.Event(lambda t, q, qd: t - 0.5, action=lambda t, q, qd: (q, qd + 1.0))
+    start = ([0.6, -0.8], [0.0, 0.0])
+    half = own.simulate(*start, t=0.5)
+    expected = own.simulate(half.end[1], half.end[2] + 1.0, t=(0.5, 1.0)).end[1]
+    normal = half.end[1] / np.linalg.norm(half.end[1])
+    along = half.end[2] + 1.0 - normal * np.dot(normal, half.end[2] + 1.0)
+    by_hand = own.simulate(half.end[1], along, t=(0.5, 1.0)).end[1]
+    np.testing.assert_allclose(expected, by_hand, atol=1e-9)
+    for rtol in [1e-4, 1e-10]:
+        found = own.simulate(*start, t=1.0, events=[push], rtol=rtol).end[1]
+        np.testing.assert_allclose(found, expected, atol=max(1e-8, 10 * rtol))
+
+
 def test_errors_of_callbacks_come_back():
     class Mine(Exception):
         pass
@@ -165,6 +199,14 @@ def test_errors_of_callbacks_come_back():
         raise Mine("here")
 
     own = mbs.compile(SPRING)
+
+    # Ctrl+C while NumPy reads what was answered is no fault of the answer.
+    class Stopping:
+        def __array__(self, *_, **__):
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        own.simulate([1.0], t=10.0, u=lambda *_: Stopping())
     for given in [
         dict(u=broken),
         dict(events=[mbs.Event(broken)]),

@@ -163,7 +163,7 @@ class Parameters(Mapping[str, Any]):
         return len(self._variables)
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
+        if name.startswith("__") or name in Parameters.__slots__:
             raise AttributeError(name)
         try:
             return self[name]
@@ -171,7 +171,13 @@ class Parameters(Mapping[str, Any]):
             raise AttributeError(str(error)) from None
 
     def __setattr__(self, name: str, value: ArrayLike) -> None:
+        if hasattr(Parameters, name):
+            raise AttributeError(f"params.{name} is a method; params[{name!r}] is the parameter")
         self[name] = value
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A copy, and what is pickled, are the values by name."""
+        return dict, ({name: _copied(self[name]) for name in self},)
 
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._variables]
@@ -182,14 +188,19 @@ class Parameters(Mapping[str, Any]):
 
 
 class _Values(np.ndarray):
-    """An array of parameters: where an entry is set, the model's parameter is."""
+    """An array of parameters: where an entry is set, the model's parameter is.
+
+    It is read-only for NumPy, and so are its views, which the model would not see change.
+    """
 
     _parameters: Parameters | None
     _name: str
+    _own: Floats
 
     def __new__(cls, parameters: Parameters, name: str, values: Floats) -> _Values:
         array = values.view(cls)
-        array._parameters, array._name = parameters, name
+        array._parameters, array._name, array._own = parameters, name, values
+        array.flags.writeable = False
         return array
 
     def __array_finalize__(self, other: Any) -> None:
@@ -199,10 +210,32 @@ class _Values(np.ndarray):
         if self._parameters is None:
             super().__setitem__(index, value)
             return
-        new = np.array(self)
+        # The parameter may have been set otherwise since this array was made.
+        new = np.array(self._parameters[self._name])
         new[index] = value
         self._parameters[self._name] = new
-        super().__setitem__(index, value)
+        self._own[...] = new
+
+    def _in_place(self, function: np.ufunc, other: Any) -> Any:
+        present = self if self._parameters is None else self._parameters[self._name]
+        self[...] = function(np.asarray(present), other)
+        return self
+
+    def __iadd__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self._in_place(np.add, other)
+
+    def __isub__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self._in_place(np.subtract, other)
+
+    def __imul__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self._in_place(np.multiply, other)
+
+    def __itruediv__(self, other: Any) -> Any:  # type: ignore[misc]
+        return self._in_place(np.divide, other)
+
+
+def _copied(value: Any) -> Any:
+    return value if isinstance(value, float) else np.array(value)
 
 
 def _plain(value: Any) -> str:
@@ -236,8 +269,7 @@ class Model:
         self._info = info or core.info
         count = len(self._info["functions"])
         self._functions = [core.function(number) for number in range(count)]
-        #: Parameters by name.
-        self.params = Parameters(core, self._info["parameters"])
+        self._params = Parameters(core, self._info["parameters"])
 
     # ---- what there is
 
@@ -309,6 +341,15 @@ class Model:
 
     # ---- parameters
 
+    @property
+    def params(self) -> Parameters:
+        """Parameters by name; those of a mapping are set where it is assigned."""
+        return self._params
+
+    @params.setter
+    def params(self, values: Mapping[str, ArrayLike]) -> None:
+        self._params.update(values)
+
     def with_params(self, values: Mapping[str, ArrayLike] | None = None, /, **named: ArrayLike) -> Model:
         """The same mechanism, some parameters changed; this one keeps its own."""
         other = type(self)(self._core.copy(), self._info)
@@ -322,7 +363,7 @@ class Model:
         return self.with_params()
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Another process derives it anew, and finds the compiled code."""
+        """Another process derives it anew, of the same texts, and finds the compiled code."""
         return _restored, (type(self)._source, self._core.parameters)
 
     # ---- motions
@@ -341,7 +382,7 @@ class Model:
         rtol: float = 1e-10,
         atol: float = 1e-12,
         step: float | None = None,
-        max_step: float = np.inf,
+        max_step: float | None = None,
         max_steps: int = 10_000_000,
         project: bool = True,
     ) -> Trajectory:
@@ -349,21 +390,24 @@ class Model:
 
         `t`: first and last time, or the last. `times`: when to hand out the motion, between steps from dense output;
         else at the ends of steps. `u(t, q, qd)` gives the inputs, or they stay; `prescribed(t)` gives value, rate and
-        acceleration of each prescribed motion. `method`: `dop853` and `dopri5` by error control (`rtol`, `atol`,
-        `max_step`), `rk4`, `gauss_legendre4`, `stormer_verlet`, `semi_implicit_euler` with the fixed `step`. With
-        constraints the first state is brought onto them, and the motion is kept on them, unless `project` is false.
+        acceleration of each prescribed motion. `method`: `dop853` and `dopri5` by error control (`rtol`, `atol`; at
+        most `max_steps` steps, none of them longer than `max_step`: what a motion meets for a shorter time can be
+        stepped over), `rk4`, `gauss_legendre4`, `stormer_verlet`, `semi_implicit_euler` with the fixed `step`. By
+        default `max_step` is the largest distance of `times`, without them a hundredth of the duration, and `step` a
+        thousandth. With constraints the first state and those that actions return are brought onto them, and the
+        motion is kept on them, unless `project` is false.
 
         Raises `ValueError` for wrong arguments, `mbs.SimulationError` where there is no way on.
         """
         span = (0.0, _number("t", t)) if np.ndim(t) == 0 else _pair(t)
         declared = [_event(event) for event in events]
-        fixed = (span[1] - span[0]) / 1000 if step is None else step
+        duration = abs(span[1] - span[0])
         how = (
             str(method),
             _number("rtol", rtol),
             _number("atol", atol),
-            abs(_number("step", fixed)) or 1.0,
-            _number("max_step", max_step),
+            duration / 1000 or 1.0 if step is None else _positive("step", step),
+            _distance(times, span) or np.inf if max_step is None else _positive("max_step", max_step),
             _count("max_steps", max_steps),
         )
         start, rates = self._state("q", q), self._state("qd", np.zeros(self.dof) if qd is None else qd)
@@ -457,6 +501,24 @@ def _number(name: str, value: Any) -> float:
     return number
 
 
+def _positive(name: str, value: Any) -> float:
+    number = _number(name, value)
+    if number <= 0:
+        raise ValueError(f"{name}: it must be positive, found {value!r}")
+    return number
+
+
+def _distance(times: ArrayLike | None, span: tuple[float, float]) -> float:
+    """The largest of times and of the ends of their span; without times a hundredth of it."""
+    if times is None:
+        return abs(span[1] - span[0]) / 100
+    try:
+        given = np.asarray(times, dtype=float).ravel()
+    except (TypeError, ValueError):
+        return np.inf  # `times` is refused where it is read.
+    return float(np.max(np.abs(np.diff(given, prepend=span[0], append=span[1]))))
+
+
 def _count(name: str, value: Any) -> int:
     number = _number(name, value)
     if not 1 <= number <= 1e15 or number != int(number):
@@ -500,35 +562,34 @@ def compile(  # noqa: A001 - mbs.compile
     """
     if isinstance(freeze, str):
         raise ValueError(f"freeze: a sequence of names is expected, found {freeze!r}")
-    frozen = [str(name) for name in freeze]
-    source: tuple[Any, ...]
+    frozen = list(dict.fromkeys(str(name) for name in freeze))
     if isinstance(model, Mechanism):
-        source = ("from_calls", model._recorded(), frozen, backend)
+        made = _made("from_calls", model._recorded(), frozen, backend)
     elif isinstance(model, str) and "{" in model:
-        source = ("from_text", _checked(model), "<text>", frozen, backend)
+        made = _made("from_text", _checked(model), "<text>", frozen, backend)
     elif isinstance(model, (str, os.PathLike)):
         path = os.fspath(model)
         if not isinstance(path, str) or "\0" in path:
             raise ValueError(f"model: {model!r} is no path")
-        source = ("from_file", _checked(path), frozen, backend)
+        made = _made("from_file", _checked(path), frozen, backend)
     else:
         raise ValueError(f"model: a path, a text or a mbs.Mechanism is expected, found {type(model).__name__}")
-    made = _made(source)
     if params:
         made.params.update(params)
     return made
 
 
-def _made(source: tuple[Any, ...]) -> Model:
+def _made(*source: Any) -> Model:
     core: _mbs.Core = getattr(_mbs.Core, source[0])(*source[1:])
     info = core.info
     own = _class(info)
-    own._source = source
+    # A file may have changed when the model is made anew; its text of now is kept.
+    own._source = ("from_texts", core.texts, *source[-2:]) if core.texts else source
     return own(core, info)
 
 
 def _restored(source: tuple[Any, ...], parameters: Floats) -> Model:
-    model = _made(source)
+    model = _made(*source)
     model._core.set_parameters(parameters)
     return model
 
@@ -541,13 +602,19 @@ def _checked(text: str) -> str:
     return text
 
 
+#: What each model keeps.
+_OWN = ("_core", "_info", "_functions", "_params")
+
+
 def _class(info: dict[str, Any]) -> type[Model]:
     """A class with a method for each generated function, so that `help` shows them."""
     body: dict[str, Any] = {"__doc__": _described(info), "__module__": "mbs", "_methods": {}}
+    names = {function["name"] for function in info["functions"]}
     for number, function in enumerate(info["functions"]):
-        name = function["name"]
+        own = name = function["name"]
         # An output does not take the place of what every model has; it is in `functions` all the same.
-        own = f"{name}_" if hasattr(Model, name) or keyword.iskeyword(name) or name == "params" else name
+        while hasattr(Model, own) or own in _OWN or keyword.iskeyword(own) or (own != name and own in names):
+            own += "_"
         body[own] = _method(number, function)
         body["_methods"][name] = own
     return type(info["name"], (Model,), body)
