@@ -261,8 +261,17 @@ static int communication_step(fmu_instance *a, const char *function, double t, d
         return fmu_refuse(
             a, FAILED, "%s: the communication point is t = %.17g, the FMU is at t = %.17g", function, t, a->v.t);
     }
-    const int status = parameters_checked(a, function);
-    return status == GOOD ? fmu_integrated(a, function, t + h) : status;
+    const fmu_values before = a->v;
+    int changed;
+    int status = parameters_checked(a, function);
+    /* Parameters and signals that have been set since the last step may have opened the constraints. */
+    if (status == GOOD) status = brought_back(a, function, &changed);
+    if (status == GOOD) status = fmu_integrated(a, function, t + h);
+    if (status != GOOD) {
+        a->v = before;
+        fmu_moved(a);
+    }
+    return status;
 }
 
 /* Leaves initialization, whichever way the mechanism is to move. */

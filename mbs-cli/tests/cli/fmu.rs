@@ -231,6 +231,24 @@ fn motions_are_those_of_the_program() {
     }
 }
 
+/// The rod of a pendulum becomes longer between two steps: it goes on as a new FMU would from the same state, which
+/// is brought onto the constraint before it moves.
+#[test]
+fn steps_begin_on_the_constraints_of_parameters_as_they_are() {
+    let workshop = Workshop::new();
+    workshop.write("a.mbs", include_str!("../mechanisms/cartesian_pendulum.mbs"));
+    workshop.good(&["fmu", "a.mbs", "--sources-only", "--state", "{\"q\": [0.6, -0.8]}", "--out", "a.fmu"]);
+    let Some(folder) = sources(&workshop, "a.fmu") else { return };
+    compiled(&folder, "both.c");
+    let Outcome { code, stdout, .. } = run(&folder, &["2", "1", "0.5", "1"]);
+    assert_eq!(code, 0, "{stdout}");
+    let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = stdout.lines().filter(|line| line.starts_with("1,")).map(numbers).collect();
+    let [tuned, new] = &rows[..] else { panic!("{stdout}") };
+    assert!(tuned.iter().zip(new).all(|(a, b)| (a - b).abs() < 1e-10), "{stdout}");
+    assert!((new[1].hypot(new[2]) - 1.2).abs() < 1e-9, "{stdout}");
+}
+
 /// What comes and goes within a communication step: a booster of 0.1 s, and a soft ceiling that is touched for
 /// 2 atan(10)/ω = 0.093 s of two seconds.
 #[test]
