@@ -256,7 +256,8 @@ static int communication_step(fmu_instance *a, const char *function, double t, d
         return fmu_refuse(
             a, FAILED, "%s: a step needs a finite time and a positive length, not %g and %g", function, t, h);
     }
-    const double rounding = 1e-9 * (h + fabs(t));
+    /* Environments add up their steps or multiply them. */
+    const double rounding = 1e-9 * h + 16.0 * DBL_EPSILON * fabs(t);
     if (!(fabs(t - a->v.t) <= rounding)) {
         return fmu_refuse(
             a, FAILED, "%s: the communication point is t = %.17g, the FMU is at t = %.17g", function, t, a->v.t);

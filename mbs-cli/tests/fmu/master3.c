@@ -153,6 +153,14 @@ static void refused(void)
     CHECK(
         fmi3EnterEventMode(a) == fmi3Error && fmi3EnterInitializationMode(a, false, 0.0, 0.0, false, 0.0) == fmi3Error);
     fmi3FreeInstance(a);
+    /* At large times, too, the point is the one at which the FMU is. */
+    const double late = 1.7e9;
+    a = stepping();
+    CHECK(fmi3EnterInitializationMode(a, false, 0.0, late, false, 0.0) == fmi3OK);
+    CHECK(fmi3ExitInitializationMode(a) == fmi3OK && step(a, late, 0.01) == fmi3OK);
+    CHECK(step(a, late, 0.01) == fmi3Error && step(a, late - 1.0, 0.01) == fmi3Error);
+    CHECK(get(a, TIME) == late + 0.01 && step(a, late + 0.01, 0.01) == fmi3OK);
+    fmi3FreeInstance(a);
 }
 
 static void states(void)
