@@ -319,6 +319,7 @@ static int tolerance_set(fmu_instance *a, const char *function, double tolerance
 {
     if (!isfinite(tolerance) || !(tolerance > 0.0))
         return fmu_refuse(a, FAILED, "%s: the tolerance must be positive, not %g", function, tolerance);
-    a->v.tolerance = fmax(tolerance, 1e-14);
+    /* With larger ones every step is good enough. */
+    a->v.tolerance = fmin(fmax(tolerance, 1e-14), 1e-2);
     return GOOD;
 }
