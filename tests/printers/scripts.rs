@@ -241,7 +241,10 @@ for call in [lambda: m.delete([1]), lambda: m.delete(1.0), lambda: While(Params(
         "m = m_while(struct('lambda', 3));
 q = [1; 2; 3];
 printf('%d %d %d %d\\n', m.constructor(q), m.delete(q), m.m_end(q), m.params.lambda);
-refused = {@() m.delete(1), @() m_while(struct('lamda', 3)), @() m_while(struct('l', 1)), @() m_while(struct('q', Inf))};
+qdd = m.forward_dynamics(q, q);
+assert(isequal(qdd, m.forward_dynamics(int32(q), q), m.forward_dynamics(single(q), uint8(q))));
+refused = {@() m.delete(1), @() m_while(struct('lamda', 3)), @() m_while(struct('l', 1)), @() m_while(struct('q', Inf)), ...
+  @() m.delete([1i; 2; 3]), @() m.delete('123'), @() m_while(struct('q', 2i))};
 for k = 1:numel(refused)
   try
     refused{k}();
