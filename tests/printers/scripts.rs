@@ -233,7 +233,9 @@ for (const call of refused) {
 m = While(Params(py_lambda=3))
 q = [1, 2, 3]
 print(int(m.constructor(q)), int(m.delete(q)), int(m.end(q)), m.params.py_lambda)
-for call in [lambda: m.delete([1]), lambda: m.delete(1.0), lambda: While(Params(l=(1,))), lambda: While(Params(q=float('inf')))]:
+for call in [lambda: m.delete([1]), lambda: m.delete(1.0), lambda: While(Params(l=(1,))), lambda: While(Params(q=float('inf'))),
+             lambda: m.delete([1j, 2, 3]), lambda: m.delete(['1', '2', '3']), lambda: m.delete([None, 2, 3]),
+             lambda: While(Params(q='2')), lambda: While(Params(q=2j)), lambda: While(Params(l=(None, 1)))]:
     try:
         call()
         print('not refused')
