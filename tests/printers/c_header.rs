@@ -337,6 +337,43 @@ fn names_of_the_library_are_no_trouble() {
     compiled("cc", &["-x", "c++", "-std=c++17", "-fsyntax-only", "main.c"], folder.path());
 }
 
+/// Outputs and mechanisms that are called like what the class of C++ has itself.
+#[test]
+fn names_of_the_class_are_no_trouble() {
+    if !has("c++") {
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut includes, mut calls) = (String::new(), String::new());
+    // What the class is called, and its functions of the first two outputs.
+    let all = [
+        ("Odd", ["Odd", "c_Odd", "c_Parameters"]),
+        ("Parameters", ["c_Parameters", "Odd", "c_c_Parameters"]),
+        ("std", ["c_std", "Odd", "c_Parameters"]),
+    ];
+    for (name, [class, first, second]) in all {
+        let text = format!(
+            "mechanism {name} {{ param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; output Odd = 2*x; \
+             output Parameters = 3*x; output std = 5*x; }}"
+        );
+        let case = Case::new(name, &Sources::new("odd.mbs", &text));
+        let file = Language::Cpp.file_name(&case.of);
+        std::fs::write(folder.path().join(&file), Language::Cpp.write(&case.of, name, &Options::default()))
+            .expect("written");
+        let _ = writeln!(includes, "#include \"{file}\"");
+        let _ = writeln!(
+            calls,
+            "const mbs::{class} {name}_{{mbs::{class}::Parameters{{2}}}};\nstd::printf(\"%g %g %g %g\\n\", \
+             {name}_.params().m, {name}_.{first}({{1}}), {name}_.{second}({{1}}), {name}_.std({{1}}));"
+        );
+    }
+    let main = format!("#include <cstdio>\n{includes}int main()\n{{\n{calls}}}\n");
+    std::fs::write(folder.path().join("main.cpp"), main).expect("written");
+    compiled("c++", &["-std=c++17", "main.cpp", "-o", "main"], folder.path());
+    let output = Command::new(folder.path().join("main")).output().expect("it runs");
+    assert_eq!(String::from_utf8_lossy(&output.stdout), "2 2 3 5\n".repeat(3));
+}
+
 /// The program of docs/c.md in a language.
 fn manual(language: &str) -> &'static str {
     let manual = include_str!("../../docs/c.md");

@@ -231,6 +231,57 @@ fn motions_are_those_of_the_program() {
     }
 }
 
+/// The rod of a pendulum becomes longer between two steps: it goes on as a new FMU would from the same state, which
+/// is brought onto the constraint before it moves.
+#[test]
+fn steps_begin_on_the_constraints_of_parameters_as_they_are() {
+    let workshop = Workshop::new();
+    workshop.write("a.mbs", include_str!("../mechanisms/cartesian_pendulum.mbs"));
+    workshop.good(&["fmu", "a.mbs", "--sources-only", "--state", "{\"q\": [0.6, -0.8]}", "--out", "a.fmu"]);
+    let Some(folder) = sources(&workshop, "a.fmu") else { return };
+    compiled(&folder, "both.c");
+    let Outcome { code, stdout, .. } = run(&folder, &["2", "1", "0.5", "1"]);
+    assert_eq!(code, 0, "{stdout}");
+    let numbers = |line: &str| line.split(',').map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    let rows: Vec<Vec<f64>> = stdout.lines().filter(|line| line.starts_with("1,")).map(numbers).collect();
+    let [tuned, new] = &rows[..] else { panic!("{stdout}") };
+    assert!(tuned.iter().zip(new).all(|(a, b)| (a - b).abs() < 1e-10), "{stdout}");
+    assert!((new[1].hypot(new[2]) - 1.2).abs() < 1e-9, "{stdout}");
+}
+
+/// What comes and goes within a communication step: a booster of 0.1 s, and a soft ceiling that is touched for
+/// 2 atan(10)/ω = 0.093 s of two seconds.
+#[test]
+fn conditions_that_change_and_change_back_within_a_step_are_seen() {
+    let bump = "mechanism Bump { coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2;
+        force x += if abs(x - 5.27 m) < 0.05 m { 10 N } else { 0 N }; }";
+    let ceiling = "mechanism Ceiling { param k: N/m = 1000; param h: m = 4.5; coord z: m;
+        kinetic += 1/2*(1 kg)*dt(z)^2; potential += (1 kg)*(10 m/s^2)*z;
+        force z += if z > h { -k*(z - h) } else { 0 }; }";
+    // It leaves the ceiling downwards as fast as it came, at √(10² − 2·10·4.5) m/s.
+    let speed = 10_f64.sqrt();
+    let fall = 2.0 - (10.0 - speed) / 10.0 - 2.0 * 10_f64.atan() / 1000_f64.sqrt();
+    let fallen = [4.5 - speed * fall - 5.0 * fall.powi(2), -speed - 10.0 * fall];
+    // Work of 10 N along 0.1 m; what is left of the way after the booster, which takes (√3 − 1)/10 s.
+    let boosted = [5.32 + 3_f64.sqrt() * (100.0 - 5.22 - (3_f64.sqrt() - 1.0) / 10.0), 3_f64.sqrt()];
+    for (text, rate, end, dt, expected) in
+        [(bump, 1.0, "100", "0.2", boosted), (ceiling, 10.0, "2", "2", fallen), (ceiling, 10.0, "2", "0.25", fallen)]
+    {
+        let workshop = Workshop::new();
+        workshop.write("a.mbs", text);
+        let state = format!("{{\"q\": [0], \"qd\": [{rate}]}}");
+        workshop.good(&["fmu", "a.mbs", "--sources-only", "--state", &state, "--out", "a.fmu"]);
+        let Some(folder) = sources(&workshop, "a.fmu") else { return };
+        compiled(&folder, "both.c");
+        let Outcome { code, stdout, .. } = run(&folder, &["0", end, dt, "1"]);
+        assert_eq!(code, 0, "{stdout}");
+        let last: Vec<f64> = stdout.lines().last().unwrap().split(',').skip(1).map(|x| x.parse().unwrap()).collect();
+        for (found, expected) in last.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-9 * (1.0 + expected.abs()), "{last:?}, not {expected:?}");
+        }
+    }
+}
+
 /// A row that depends on the others: co-simulation stays on them, the pendulum that all cranks are, and model exchange,
 /// whose integrator leaves them, is refused.
 #[test]

@@ -1,6 +1,7 @@
 /*
  * A master for any mechanism, FMI 3.0. both KIND T_END DT SUBSTEPS: integrates by co-simulation (KIND 0) or by a
- * classical Runge-Kutta method that ends its steps at events (KIND 1), and prints time and states.
+ * classical Runge-Kutta method that ends its steps at events (KIND 1), and prints time and states. KIND 2: two steps of
+ * co-simulation, between which parameter SUBSTEPS becomes 1.2 times what it was; then a new instance makes the second.
  */
 #include "fmi3.c"
 
@@ -130,11 +131,53 @@ static void simulate(double t_end, double dt)
     fmi3FreeInstance(a);
 }
 
+static fmi3Instance begun(double t, const double *x, fmi3ValueReference tuned, double value)
+{
+    fmi3Instance a =
+        fmi3InstantiateCoSimulation("a", MBS_TOKEN, NULL, false, false, false, false, NULL, 0, NULL, logged, NULL);
+    CHECK(a != NULL);
+    for (fmi3ValueReference vr = VR_Q; x != NULL && vr < VR_DER_Q; vr++)
+        CHECK(fmi3SetFloat64(a, &vr, 1, x + (vr - VR_Q), 1) == fmi3OK);
+    if (x != NULL) CHECK(fmi3SetFloat64(a, &tuned, 1, &value, 1) == fmi3OK);
+    CHECK(fmi3EnterInitializationMode(a, true, 1e-12, t, false, 0.0) == fmi3OK);
+    CHECK(fmi3ExitInitializationMode(a) <= fmi3Warning);
+    return a;
+}
+
+static void stepped(fmi3Instance a, double t, double dt)
+{
+    bool event, terminate, early;
+    double last;
+    CHECK(fmi3DoStep(a, t, dt, true, &event, &terminate, &early, &last) == fmi3OK);
+}
+
+static void tune(double dt, int parameter)
+{
+    const fmi3ValueReference tuned = (fmi3ValueReference)(VR_P + parameter);
+    double x[2 * N], value;
+    fmi3Instance a = begun(0.0, NULL, 0, 0.0);
+    CHECK(fmi3GetFloat64(a, &tuned, 1, &value, 1) == fmi3OK);
+    value *= 1.2;
+    stepped(a, 0.0, dt);
+    for (fmi3ValueReference vr = VR_Q; vr < VR_DER_Q; vr++)
+        CHECK(fmi3GetFloat64(a, &vr, 1, x + (vr - VR_Q), 1) == fmi3OK);
+    CHECK(fmi3SetFloat64(a, &tuned, 1, &value, 1) == fmi3OK);
+    fmi3Instance b = begun(dt, x, tuned, value);
+    stepped(a, dt, dt);
+    stepped(b, dt, dt);
+    put_outputs(a, 2.0 * dt);
+    put_outputs(b, 2.0 * dt);
+    fmi3FreeInstance(a);
+    fmi3FreeInstance(b);
+}
+
 int main(int count, char **given)
 {
     CHECK(count == 5);
     if (atoi(given[1]) == 0) {
         simulate(atof(given[2]), atof(given[3]));
+    } else if (atoi(given[1]) == 2) {
+        tune(atof(given[3]), atoi(given[4]));
     } else {
         exchange(atof(given[2]), atof(given[3]), atoi(given[4]));
     }

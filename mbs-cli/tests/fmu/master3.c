@@ -153,6 +153,29 @@ static void refused(void)
     CHECK(
         fmi3EnterEventMode(a) == fmi3Error && fmi3EnterInitializationMode(a, false, 0.0, 0.0, false, 0.0) == fmi3Error);
     fmi3FreeInstance(a);
+    /* At large times, too, the point is the one at which the FMU is. */
+    const double late = 1.7e9;
+    a = stepping();
+    CHECK(fmi3EnterInitializationMode(a, false, 0.0, late, false, 0.0) == fmi3OK);
+    CHECK(fmi3ExitInitializationMode(a) == fmi3OK && step(a, late, 0.01) == fmi3OK);
+    CHECK(step(a, late, 0.01) == fmi3Error && step(a, late - 1.0, 0.01) == fmi3Error);
+    CHECK(get(a, TIME) == late + 0.01 && step(a, late + 0.01, 0.01) == fmi3OK);
+    fmi3FreeInstance(a);
+}
+
+static void tolerances(void)
+{
+    static const double asked[3] = {1e-2, 1.0, 1e300};
+    double theta[3];
+    for (int i = 0; i < 3; i++) {
+        fmi3Instance a = stepping();
+        CHECK(fmi3EnterInitializationMode(a, true, asked[i], 0.0, false, 0.0) == fmi3OK);
+        CHECK(fmi3ExitInitializationMode(a) == fmi3OK && step(a, 0.0, 3.0) == fmi3OK);
+        theta[i] = get(a, THETA);
+        fmi3FreeInstance(a);
+    }
+    double rate;
+    CHECK(near(theta[0], reference(3.0, 0.0, &rate), 1e-2) && theta[1] == theta[0] && theta[2] == theta[0]);
 }
 
 static void states(void)
@@ -211,6 +234,7 @@ int main(void)
     co_simulation();
     model_exchange();
     refused();
+    tolerances();
     states();
     many();
     printf("good\n");

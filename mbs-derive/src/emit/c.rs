@@ -72,13 +72,14 @@ pub(super) fn written(derivation: &Derivation, source: &str, options: &Options, 
 /// What a header calls things.
 pub(super) fn identifiers(walk: Walk<'_>) -> Identifiers {
     let header = Header::new(walk, Dialect::C);
+    let class = name::class(&header.derivation.name);
     let function = |(i, _): &(usize, _)| {
         let name = &header.walk.names.functions[*i];
-        (*i, header.name(name), name::identifier(&function::plain(name)))
+        (*i, header.name(name), name::method(&function::plain(name), &class))
     };
     Identifiers {
         mechanism: header.prefix.clone(),
-        class: name::identifier(&header.derivation.name),
+        class: class.clone(),
         parameters: header.walk.parameters().map(|(_, field)| name::identifier(&field)).collect(),
         functions: header.walk.functions.iter().map(function).collect(),
         motion: header.name(&header.walk.names.constrained_motion),

@@ -4,13 +4,13 @@ use std::fmt::Write;
 
 use super::super::walk::{Routine, block_comment};
 use super::function::{Signature, plain};
-use super::name::identifier;
+use super::name::{class, method};
 use super::{Header, head};
 
 impl Header<'_> {
     /// Behind the functions of C, which it calls.
     pub(super) fn class(&self, routines: &[&Routine]) -> String {
-        let (prefix, name) = (&self.prefix, identifier(&self.derivation.name));
+        let (prefix, name) = (&self.prefix, class(&self.derivation.name));
         let mut text = String::from("namespace mbs {\n\n");
         text += &block_comment(&["The mechanism: functions take and return `std::array`.".to_string()], 0);
         let _ = writeln!(text, "class {name} {{\npublic:\n    using Parameters = ::{prefix}_parameters;\n");
@@ -24,7 +24,7 @@ impl Header<'_> {
         text += "        }\n    }\n\n";
         let _ = writeln!(text, "    const Parameters &params() const {{ return mbs_self.params; }}\n");
         for routine in routines {
-            text += &self.method(&identifier(&plain(&routine.name)), &self.signature(routine));
+            text += &self.method(&method(&plain(&routine.name), &name), &self.signature(routine));
         }
         let _ = writeln!(text, "private:\n    ::{prefix} mbs_self;\n}};\n\n}} // namespace mbs\n");
         text

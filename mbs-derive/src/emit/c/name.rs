@@ -404,6 +404,17 @@ pub(super) fn prefix(mechanism: &str) -> String {
     }
 }
 
+/// What a mechanism's class of C++ is called, in which `std` must be the library and `Parameters` its own type.
+pub(super) fn class(mechanism: &str) -> String {
+    if ["std", "Parameters"].contains(&mechanism) { format!("c_{mechanism}") } else { identifier(mechanism) }
+}
+
+/// What a method of the class is called.
+pub(super) fn method(name: &str, class: &str) -> String {
+    let own = if name == "Parameters" { format!("c_{name}") } else { identifier(name) };
+    if own == class { format!("c_{own}") } else { own }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

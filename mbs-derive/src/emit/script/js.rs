@@ -206,7 +206,7 @@ fn method(walk: &Walk<'_>, routine: &Routine) -> String {
         .iter()
         .map(|(name, count)| match count {
             Some(count) => format!("mbs_sized(\"{name}\", {name}, {count});"),
-            None => format!("void {name};"),
+            None => format!("mbs_sized(\"{name}\", [{name}], 1);"),
         })
         .collect();
     let (arguments, forward_dynamics) = (names.join(", "), || walk.forward_dynamics());

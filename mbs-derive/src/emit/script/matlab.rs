@@ -263,7 +263,7 @@ fn function(walk: &Walk<'_>, routine: &Routine) -> String {
                 ("prescribed", Some(count)) => 3 * count,
                 (_, Some(count)) => *count,
             };
-            lines.push(format!("mbs_sized('{name}', {name}, {count});"));
+            lines.push(format!("{name} = mbs_sized('{name}', {name}, {count});"));
         }
     }
     let motion = || Matlab.identifier(&format!("f_{}", plain(&walk.names.constrained_motion)));

@@ -7,19 +7,23 @@ for i = 1:numel(names)
     error('mbs:parameter', 'there is no parameter %s; there are %s', name, strjoin(fieldnames(params)', ', '));
   end
   value = given.(name);
-  if ~isnumeric(value) || ~isequal(size(value), size(params.(name))) || ~all(isfinite(value(:)))
-    error('mbs:parameter', 'parameter %s must be finite and of size %s', name, mat2str(size(params.(name))));
+  if ~isnumeric(value) || ~isreal(value) || ~isequal(size(value), size(params.(name))) || ~all(isfinite(value(:)))
+    error('mbs:parameter', 'parameter %s must be real, finite and of size %s', name, mat2str(size(params.(name))));
   end
   params.(name) = double(value);
 end
 end
 
 
-function mbs_sized(name, value, count)
-% As many numbers as a mechanism has.
+function value = mbs_sized(name, value, count)
+% As many real numbers as a mechanism has, as doubles.
 if numel(value) ~= count
   error('mbs:size', '%s must have %d numbers, not %d', name, count, numel(value));
 end
+if ~isnumeric(value) || ~isreal(value)
+  error('mbs:real', '%s must be real numbers', name);
+end
+value = double(value);
 end
 
 

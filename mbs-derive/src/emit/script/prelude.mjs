@@ -53,23 +53,31 @@ function mbs_own_cos(x) {
 }
 
 
-/** As many numbers as a mechanism has. */
+/** As many numbers as a mechanism has; of prescribed motions as many times three. */
 function mbs_sized(name, values, count) {
   if (values === undefined || values === null || values.length !== count) {
     throw new RangeError(`${name} must have ${count} numbers, not ${values?.length}`);
+  }
+  for (let i = 0; i < count; i++) {
+    if (name === "prescribed") {
+      mbs_sized(`prescribed[${i}]`, values[i], 3);
+    } else if (typeof values[i] !== "number") {
+      throw new RangeError(`${name}[${i}] must be a number, not ${typeof values[i]}`);
+    }
   }
 }
 
 
 /** Known parameters, all of them finite. */
 function mbs_parameters(defaults, given) {
-  const sizes = (value) => (typeof value === "number" ? "1" : `[${Array.from(value, sizes).join()}]`);
+  const isList = (value) => Array.isArray(value) || ArrayBuffer.isView(value);
+  const sizes = (value) => (isList(value) ? `[${Array.from(value, sizes).join()}]` : typeof value);
   const finite = (value) => (typeof value === "number" ? Number.isFinite(value) : Array.from(value).every(finite));
   for (const [name, value] of Object.entries(given)) {
     if (!Object.hasOwn(defaults, name)) {
       throw new RangeError(`there is no parameter ${name}; there are ${Object.keys(defaults).join(", ")}`);
     }
-    if ((typeof value !== "number" && typeof value?.length !== "number") || sizes(value) !== sizes(defaults[name])) {
+    if (sizes(value) !== sizes(defaults[name])) {
       throw new RangeError(`parameter ${name} must be like ${JSON.stringify(defaults[name])}, not ${JSON.stringify(value)}`);
     }
     if (!finite(value)) {

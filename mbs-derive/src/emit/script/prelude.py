@@ -1,6 +1,14 @@
+def mbs_doubles(name, value):
+    """Real numbers as an array of doubles."""
+    array = np.asarray(value)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"{name} must be real numbers, not of type {array.dtype}")
+    return array.astype(np.float64, copy=False)
+
+
 def mbs_argument(name, value, *shape):
     """An array of doubles whose last axes are of this shape."""
-    array = np.asarray(value, dtype=np.float64)
+    array = mbs_doubles(name, value)
     if array.ndim < len(shape) or array.shape[array.ndim - len(shape) :] != shape:
         raise ValueError(f"{name} must end in axes {shape}, not be of shape {array.shape}")
     return array
@@ -8,7 +16,7 @@ def mbs_argument(name, value, *shape):
 
 def mbs_parameter(name, value, *shape):
     """A finite parameter of this shape."""
-    array = np.asarray(value, dtype=np.float64)
+    array = mbs_doubles(f"parameter {name}", value)
     if array.shape != shape or not np.isfinite(array).all():
         raise ValueError(f"parameter {name} must be finite and of shape {shape}, not {value}")
     return array

@@ -51,7 +51,7 @@ fn method(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>) -> String {
     let arguments = names.join(", ");
     let begins = routine.arguments.iter().map(|(name, count)| match count {
         Some(count) => format!("mbs_sized(\"{name}\", {name}, {count});\n"),
-        None => format!("void {name};\n"),
+        None => format!("mbs_sized(\"{name}\", [{name}], 1);\n"),
     });
     let (begin, name, motion) = (&routine.begin, &routine.name, sheet.identifiers.motion.clone());
     let head = format!("{begin} {name}({arguments}) {{\n{}", begins.collect::<String>());

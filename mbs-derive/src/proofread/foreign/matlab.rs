@@ -74,9 +74,9 @@ fn function(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>) -> String {
     let (begin, name, motion) = (&routine.begin, &routine.name, sheet.identifiers.motion.clone());
     let head = format!("{begin}\nfunction {returned} = {name}(c{given})\n");
     let sized = routine.arguments.iter().map(|(name, count)| match (*name, count) {
-        (name, None) => format!("mbs_sized('{name}', {name}, 1);\n"),
-        ("prescribed", Some(count)) => format!("mbs_sized('prescribed', prescribed, {});\n", 3 * count),
-        (name, Some(count)) => format!("mbs_sized('{name}', {name}, {count});\n"),
+        (name, None) => format!("{name} = mbs_sized('{name}', {name}, 1);\n"),
+        ("prescribed", Some(count)) => format!("prescribed = mbs_sized('prescribed', prescribed, {});\n", 3 * count),
+        (name, Some(count)) => format!("{name} = mbs_sized('{name}', {name}, {count});\n"),
     });
     let before = match routine.ending {
         Ending::Accelerations => return head + &format!("result = {motion}(c{given});\nend\n"),
