@@ -340,6 +340,34 @@ fn what_the_proof_finds_is_told() {
     panic!("{:?}", editor.problems("cart.mbs"));
 }
 
+/// Of several files that wait each is proved, and what was found stays while its text does.
+#[test]
+fn every_open_file_is_proved() {
+    let stop = include_str!("../../../tests/bad/branch_never_taken.mbs");
+    let mut editor = Editor::new(workshop());
+    let names = ["a.mbs", "b.mbs", "c.mbs", "d.mbs"];
+    names.iter().for_each(|name| editor.open(name, stop));
+    let mut until_all = |editor: &mut Editor| {
+        for _ in 0..600 {
+            if names.iter().all(|name| editor.problems(name).iter().any(|found| found["code"] == "MBS1201")) {
+                return;
+            }
+            thread::sleep(Duration::from_millis(100));
+        }
+        panic!("{:?}", editor.problems);
+    };
+    until_all(&mut editor);
+    editor.tell("textDocument/didSave", json!({ "textDocument": { "uri": editor.uri("a.mbs") } }));
+    for name in names {
+        assert_eq!(editor.problems(name).len(), 1, "{name}");
+    }
+    // What is changed is proved again.
+    editor.change("b.mbs", json!([{ "text": stop.replace("Stop", "Other") }]));
+    assert_eq!(editor.problems("b.mbs").len(), 0);
+    until_all(&mut editor);
+    assert_eq!(editor.end(), 0);
+}
+
 #[test]
 fn bad_messages_are_passed_over() {
     let mut editor = Editor::started(workshop());
