@@ -36,6 +36,7 @@ pub fn compile(file: impl AsRef<Path>) {
 }
 
 /// Generates one mechanism with default options as [`compile`] does, for a build script that handles the error itself.
+/// After an error there is no module, that of an earlier run neither.
 ///
 /// ```no_run
 /// if let Err(report) = mbs_derive::try_compile("mechanisms/cart_pole.mbs") {
@@ -165,7 +166,10 @@ impl Config {
     /// # Errors
     /// The report that [`compile`](Self::compile) prints.
     pub fn try_compile(&self, file: impl AsRef<Path>) -> Result<(), Report> {
-        Ok(self.write(file.as_ref())?)
+        self.write(file.as_ref()).map_err(|report| {
+            self.forget(file.as_ref());
+            Report(report)
+        })
     }
 
     /// Generates a mechanism that is written as Rust values. Files that it was made of are the script's to name, by
@@ -191,6 +195,16 @@ impl Config {
     fn write(&self, file: &Path) -> Result<(), String> {
         let made = self.make(watched(file)?)?;
         self.write_module(&made, &[&made.sources])
+    }
+
+    /// What an earlier run has made of a file has the equations of another text.
+    fn forget(&self, file: &Path) {
+        let Ok(Some(folder)) = self.folder_of_records() else { return };
+        // A record is known by the file's path alone.
+        let nothing = Sources::new(&file.to_string_lossy(), "");
+        if let Some(kept) = Kept::new(&folder, &nothing, &self.options) {
+            kept.forget();
+        }
     }
 
     fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
@@ -245,6 +259,8 @@ impl Config {
 
     /// The record last: it is of the module that is there.
     fn write_module(&self, made: &Made, read: &[&Sources]) -> Result<(), String> {
+        // The mechanism may have had another name.
+        made.kept.iter().for_each(Kept::forget);
         self.write_files(&made.generated, read)?;
         let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
         self.write_file(file, &text, read)
