@@ -77,6 +77,7 @@ fn examples_of_the_help_run() {
     let workshop = Workshop::new();
     workshop.write("arm.urdf", ARM);
     workshop.write("swings.toml", SWINGS);
+    crate::new::checkout(&workshop, ".");
     // The language server speaks until it is told to end: `lsp.rs` talks with it.
     for name in commands(&workshop).into_iter().filter(|name| name != "lsp") {
         let help = workshop.good(&[&name, "--help"]);
@@ -206,6 +207,7 @@ fn every_command_speaks_json() {
     workshop.write("untidy.mbs", crate::PENDULUM.replace("    ", "\t"));
     assert_eq!(json(&["fmt", "untidy.mbs", "r.mbs"])["written"], serde_json::json!(["untidy.mbs"]));
     workshop.write("swings.toml", SWINGS);
+    crate::new::checkout(&workshop, ".");
     let swept = json(&["sweep", "swings.toml"]);
     assert_eq!((&swept["members"], &swept["written"]), (&3.into(), &serde_json::json!(["swings.csv"])));
     assert_eq!(json(&["plot", "swings.csv", "--out", "a.png"])["written"], serde_json::json!(["a.png"]));
