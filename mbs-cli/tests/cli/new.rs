@@ -77,6 +77,7 @@ fn every_template_is_a_crate_with_a_good_mechanism() {
         let mechanism = format!("{folder}/mechanisms/{template}.mbs");
         let checked = workshop.good(&["check", &mechanism]);
         assert!(checked.contains("; proved at "), "{checked}");
+        workshop.good(&["fmt", "--check", &mechanism]);
         let motion =
             workshop.mbs(&["simulate", &mechanism, "--state", state, "--t-end", "1", "--dt", "0.1", "--atol", "1e-6"]);
         assert_eq!((motion.code, motion.stdout.lines().count()), (0, 12), "{}", motion.stderr);
