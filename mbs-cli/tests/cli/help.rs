@@ -226,6 +226,12 @@ fn every_command_speaks_json() {
     let report = workshop.bad(&["--json", "check", "missing.mbs"]);
     let message: Value = serde_json::from_str(&report).unwrap();
     assert!(message["message"].as_str().unwrap().starts_with("cannot read missing.mbs"), "{report}");
+    workshop.write("latin1.mbs", b"mechanism Caf\xe9 {}\n");
+    let report = workshop.bad(&["--json", "check", "latin1.mbs"]);
+    let message: Value = serde_json::from_str(&report).unwrap();
+    let place = ["code", "file", "line", "column", "help"].map(|key| message[key].clone());
+    let help = "save the file as UTF-8; this byte was probably meant as `é`";
+    assert_eq!(place, ["MBS0101".into(), "latin1.mbs".into(), 1.into(), 14.into(), help.into()] as [Value; 5]);
     // Warnings too, whether derived now or kept.
     workshop.write("odd.mbs", crate::PENDULUM.replace("kinetic", "output size = abs(theta);\n    kinetic"));
     let warned = workshop.mbs(&["check", "odd.mbs", "--json"]);
