@@ -68,6 +68,7 @@ fn a_typo_is_underlined_and_mended() {
         "textDocument": { "uri": uri }, "range": range(line, column, line, column), "context": { "diagnostics": [] },
     }));
     assert_eq!((&actions[0]["title"], &actions[0]["kind"]), (&json!("write `mass`"), &json!("quickfix")));
+    assert_eq!(actions[0]["isPreferred"], false, "it is a guess");
     let edit = actions[0]["edit"]["changes"][&uri][0].clone();
     editor.change("cart.mbs", json!([{ "range": edit["range"], "text": edit["newText"] }]));
     assert_eq!(editor.problems("cart.mbs"), [Value::Null; 0]);
@@ -82,6 +83,7 @@ fn a_typo_is_underlined_and_mended() {
         }),
     );
     assert_eq!(actions[0]["edit"]["changes"][&uri][0]["newText"], ";");
+    assert_eq!(actions[0]["isPreferred"], true);
     assert_eq!(editor.end(), 0);
 }
 
