@@ -184,6 +184,7 @@ class Mbs {
    */
   compile(text, options = {}) {
     const { name = "model.mbs", files = {} } = known("compile", options, ["name", "files"]);
+    if (!isPlain(files)) throw new InputError(`files: it must be an object, found ${kind(files)}`);
     for (const [key, value] of [["text", text], ["name", name], ...Object.entries(files)]) {
       if (typeof value !== "string") throw new InputError(`${key}: it must be a string, found ${kind(value)}`);
     }
@@ -415,16 +416,16 @@ class Model {
       "stop",
       "multiply",
     ]);
-    const sign = { falling: -1, any: 0, rising: 1 }[direction];
-    if (sign === undefined) throw new InputError(`${name}.direction: it is one of falling, any, rising, found ${kind(direction)}`);
+    const sign = ["falling", "any", "rising"].indexOf(direction) - 1;
+    if (sign < -1) throw new InputError(`${name}.direction: it is one of falling, any, rising, found ${kind(direction)}`);
     const velocities = this.coordinateNames.map((coordinate) => `${coordinate}_dot`);
     return {
       column: place(`${name}.of`, of, this.columns.map((column) => column.name)),
       value: finite(`${name}.value`, value),
       direction: sign,
       stop: Boolean(stop),
-      multiply: Object.entries(multiply).map(([velocity, factor]) => [
-        place(`${name}.multiply`, velocity, velocities),
+      multiply: Object.entries(named(`${name}.multiply`, multiply, velocities, [])).map(([velocity, factor]) => [
+        velocities.indexOf(velocity),
         finite(`${name}.multiply.${velocity}`, factor),
       ]),
     };
@@ -476,19 +477,19 @@ const METHODS = ["dop853", "dopri5", "rk4", "gauss-legendre4", "stormer-verlet",
 
 /** The object, if it has no other keys than these. */
 function known(call, object, keys) {
-  if (typeof object !== "object" || object === null) throw new InputError(`${call}: it takes an object, found ${kind(object)}`);
+  if (!isPlain(object)) throw new InputError(`${call}: it takes an object, found ${kind(object)}`);
   const other = Object.keys(object).find((key) => !keys.includes(key));
   if (other !== undefined) throw new InputError(`${call}: there is no \`${other}\`; there are ${keys.join(", ")}`);
   return object;
 }
 
-/** An object whose keys are these names, or those of whole arrays of variables. */
+/** An object whose keys are these names, or those of whole arrays of variables; the answer inherits nothing. */
 function named(key, object, names, variables) {
-  if (typeof object !== "object" || object === null) throw new InputError(`${key}: it must be an array or an object, found ${kind(object)}`);
+  if (!isPlain(object)) throw new InputError(`${key}: it must be an array or an object, found ${kind(object)}`);
   const wholes = variables.map((variable) => variable.name);
   const other = Object.keys(object).find((name) => !names.includes(name) && !wholes.includes(name));
   if (other !== undefined) throw new InputError(`${key}: there is no \`${other}\`; there ${names.length ? `are ${list(names)}` : "is none"}`);
-  return object;
+  return byName(Object.entries(object));
 }
 
 /** Numbers in order, or by name; those that are not named are as given by `rest`, or zero. */
@@ -499,12 +500,21 @@ function vector(key, value, names, variables, rest = undefined) {
     return Float64Array.from(flat, (x, i) => finite(`${key}[${i}] (${names[i]})`, x));
   }
   const numbers = rest === undefined ? new Float64Array(names.length) : Float64Array.from(rest);
+  const given = new Set();
+  const fill = (first, values) => {
+    for (const [i, x] of values.entries()) {
+      const name = names[first + i];
+      if (given.has(name)) throw new InputError(`${key}: \`${name}\` is given twice`);
+      given.add(name);
+      numbers[first + i] = x;
+    }
+  };
   for (const [name, part] of Object.entries(named(key, value, names, variables))) {
     const variable = variables.find((variable) => variable.name === name);
     if (variable !== undefined && variable.lengths.length > 0) {
-      numbers.set(vector(`${key}.${name}`, isList(part) ? part : [part], variable.components, []), variable.first);
+      fill(variable.first, vector(`${key}.${name}`, isList(part) ? part : [part], variable.components, []));
     } else {
-      numbers[names.indexOf(name)] = finite(`${key}.${name}`, part);
+      fill(names.indexOf(name), [finite(`${key}.${name}`, part)]);
     }
   }
   return numbers;
@@ -542,6 +552,13 @@ function isList(value) {
   return Array.isArray(value) || (ArrayBuffer.isView(value) && !(value instanceof DataView));
 }
 
+/** Whether an object is there for its keys: no list, no `Map`, no promise. */
+function isPlain(value) {
+  if (typeof value !== "object" || value === null || isList(value)) return false;
+  const prototype = Object.getPrototypeOf(value);
+  return prototype === null || Object.getPrototypeOf(prototype) === null;
+}
+
 function count(names) {
   return `${names.length} ${names.length === 1 ? "number" : "numbers"} (${list(names)})`;
 }
@@ -553,7 +570,7 @@ function list(names) {
 function kind(value) {
   if (typeof value === "string") return JSON.stringify(value.length > 40 ? `${value.slice(0, 40)}…` : value);
   if (isList(value)) return "an array";
-  if (typeof value === "object" && value !== null) return "an object";
+  if (typeof value === "object" && value !== null) return isPlain(value) ? "an object" : `an object of type ${value.constructor?.name}`;
   return typeof value === "function" ? "a function" : String(value);
 }
 

@@ -1,69 +1,14 @@
 // The page: an editor, what the generator says of the text, and the motion.
 
 import { examples, folder } from "./examples.js";
+import { Generator } from "./generator.js";
 import { Phase, Plot, number } from "../../mbs-cli/src/report/plot.js";
 
 const $ = (id) => document.getElementById(id);
 const escape = (text) => text.replace(/[&<>"]/g, (c) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" })[c]);
 const METHODS = ["dop853", "dopri5", "rk4", "gauss-legendre4", "stormer-verlet", "semi-implicit-euler"];
 
-/** Calls the generator; of several calls of one kind that wait, the last is made. */
-class Generator {
-  constructor() {
-    this.waiting = new Map();
-    this.start();
-  }
-
-  start() {
-    this.worker = new Worker(new URL("worker.js", import.meta.url), { type: "module" });
-    this.current = null;
-    this.worker.onmessage = ({ data }) => this.answered(data);
-    this.worker.onerror = (event) => this.answered({ error: { message: event.message ?? "the generator could not be loaded" } });
-  }
-
-  /** Resolves to nothing where a later call of the same kind has taken its place. */
-  ask(call, given) {
-    return new Promise((resolve, reject) => {
-      this.waiting.get(call)?.resolve(undefined);
-      this.waiting.set(call, { call, given, resolve, reject });
-      this.next();
-    });
-  }
-
-  next() {
-    if (this.current !== null || this.waiting.size === 0) return;
-    const [call, request] = this.waiting.entries().next().value;
-    this.waiting.delete(call);
-    this.current = request;
-    this.worker.postMessage({ call, given: request.given });
-    this.slow = setTimeout(() => ($("stop").hidden = false), 1000);
-  }
-
-  answered({ result, error }) {
-    clearTimeout(this.slow);
-    $("stop").hidden = true;
-    const request = this.current;
-    this.current = null;
-    if (request === null) return;
-    if (error === undefined) request.resolve(result);
-    else request.reject(error);
-    this.next();
-  }
-
-  /** Ends what takes too long. */
-  stop() {
-    this.worker.terminate();
-    const request = this.current;
-    this.waiting.forEach(({ resolve }) => resolve(undefined));
-    this.waiting.clear();
-    this.start();
-    request?.reject({ message: "stopped" });
-    clearTimeout(this.slow);
-    $("stop").hidden = true;
-  }
-}
-
-const generator = new Generator();
+const generator = new Generator((isSlow) => ($("stop").hidden = !isSlow));
 let example = examples[0];
 let files = {};
 let model = null;
@@ -391,7 +336,7 @@ for (const id of ["t_end", "method", "tolerance"]) $(id).oninput = () => simulat
 $("show").onchange = () => showMotion();
 $("stop").onclick = () => {
   generator.stop();
-  compile();
+  $("state").textContent = "stopped";
 };
 $("language").onchange = () => paintTexts();
 $("copy").onclick = () => navigator.clipboard.writeText($("printed").textContent);

@@ -110,14 +110,14 @@ pub(crate) fn run(_: &Arguments) -> Result<(), Failure> {
 /// What is known of an open file.
 #[derive(Debug, Default)]
 struct State {
+    /// The texts that all this is about.
+    sources: Option<Sources>,
     /// What its names stand for, by their places among all files, and with which texts.
     meanings: Vec<(Range<usize>, String)>,
     costs: Vec<(String, usize)>,
     /// Messages by files.
     problems: BTreeMap<String, Vec<Problem>>,
     found: Vec<Diagnostic>,
-    /// Of what the proof said.
-    edition: u64,
     is_derived: bool,
 }
 
@@ -128,7 +128,6 @@ struct Server {
     changed: BTreeSet<String>,
     /// What the editor shows.
     shown: BTreeMap<String, Vec<Problem>>,
-    edition: u64,
     /// When nothing will have been typed for a moment.
     quiet: Instant,
     is_initialized: bool,
@@ -144,7 +143,6 @@ impl Server {
             states: BTreeMap::new(),
             changed: BTreeSet::new(),
             shown: BTreeMap::new(),
-            edition: 0,
             quiet: Instant::now(),
             is_initialized: false,
             is_shut_down: false,
@@ -277,7 +275,6 @@ impl Server {
 
     /// A text has changed: what imports it is looked at again.
     fn touch(&mut self, name: &str) {
-        self.edition += 1;
         self.quiet = Instant::now() + PAUSE;
         for other in self.documents.names() {
             let imports = self.states.get(&other).is_none_or(|state| state.problems.contains_key(name));
@@ -293,8 +290,15 @@ impl Server {
 impl Server {
     /// Looks at what has changed, and says what is wrong there.
     fn look(&mut self) {
+        if self.changed.is_empty() {
+            return;
+        }
         for name in std::mem::take(&mut self.changed) {
             let Some(sources) = self.documents.sources(&name) else { continue };
+            // What the proof has found holds while the texts are the same.
+            if self.states.get(&name).is_some_and(|state| state.sources.as_ref() == Some(&sources)) {
+                continue;
+            }
             let seen = catch_unwind(AssertUnwindSafe(|| sources.surveyed()));
             let Ok((found, meanings)) = seen else {
                 self.tell(&format!("{name}: a bug of mbs; please report this text"));
@@ -303,7 +307,7 @@ impl Server {
             let problems = problems(&Files::of(&sources), found.iter(), &self.documents);
             let found = found.iter().cloned().collect();
             let costs = self.states.remove(&name).map(|state| state.costs).unwrap_or_default();
-            let state = State { meanings, costs, problems, found, edition: self.edition, is_derived: false };
+            let state = State { sources: Some(sources), meanings, costs, problems, found, is_derived: false };
             self.states.insert(name, state);
         }
         self.show();
@@ -316,22 +320,20 @@ impl Server {
     }
 
     fn derive(&mut self, name: &str) {
-        let sources = self.documents.sources(name);
         let Some(state) = self.states.get_mut(name) else { return };
         state.is_derived = true;
-        let Some(sources) = sources else { return };
+        let Some(sources) = state.sources.clone() else { return };
         let is_mechanism = outline::Outline::of(sources.main().text.as_deref().unwrap_or_default()).is_mechanism;
         if is_mechanism {
-            let _ = self.jobs.send(Job { name: name.to_string(), edition: state.edition, sources });
+            let _ = self.jobs.send(Job { name: name.to_string(), sources });
         }
     }
 
     fn derived(&mut self, derived: Derived) {
-        let Some(sources) = self.documents.sources(&derived.name) else { return };
-        let Some(state) = self.states.get_mut(&derived.name) else { return };
-        if state.edition != derived.edition || self.changed.contains(&derived.name) {
-            return;
-        }
+        self.look();
+        let Job { name, sources } = derived.job;
+        let of_these = |state: &&mut State| state.sources.as_ref() == Some(&sources);
+        let Some(state) = self.states.get_mut(&name).filter(of_these) else { return };
         state.costs = derived.costs;
         let known: Vec<&Diagnostic> = state.found.iter().collect();
         let new = derived.diagnostics.iter().filter(|message| !known.contains(message));
@@ -393,9 +395,7 @@ impl Server {
             return Ok(Value::Null);
         }
         // Answers are about the texts as they are now.
-        if !self.changed.is_empty() {
-            self.look();
-        }
+        self.look();
         let wrong = |reason| (ErrorCode::InvalidParams, reason);
         self.answer_about_a_file(&request.method, request.params)
             .map_err(wrong)?

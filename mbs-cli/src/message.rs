@@ -71,12 +71,19 @@ impl Messages {
         }
     }
 
-    /// A report of the generator about a file that could not be read as a text: its title is the message.
+    /// A report of the generator about a file that could not be read as a text: its title, its place and its help.
     pub(crate) fn of_file(report: String) -> Self {
         let title = report.lines().next().unwrap_or_default();
         let (head, message) = title.split_once(": ").unwrap_or(("", title));
         let code = head.split_once('[').and_then(|(_, rest)| rest.strip_suffix(']')).map(str::to_string);
-        let item = Message { code, ..Message::plain(Severity::Error, message.to_string()) };
+        let behind = |mark: &str| report.lines().find_map(|line| line.trim_start().strip_prefix(mark));
+        let place = behind("--> ").and_then(|place| {
+            let mut parts = place.rsplitn(3, ':');
+            let (column, line) = (parts.next()?.parse().ok()?, parts.next()?.parse().ok()?);
+            Some(Place { file: parts.next()?.to_string(), line, column, length: 1 })
+        });
+        let help = behind("= help: ").map(str::to_string);
+        let item = Message { code, help, place, ..Message::plain(Severity::Error, message.to_string()) };
         Messages { text: report, items: vec![item] }
     }
 

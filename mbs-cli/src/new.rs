@@ -1,7 +1,7 @@
 //! `mbs new`: a crate of one's own around a mechanism, which builds, runs and passes its test.
 //!
 //! - [`name`]: names that a crate can have;
-//! - [`checkout`]: where mbs is, for crates that are not on a registry;
+//! - [`checkout`]: where mbs is;
 //! - [`template`]: what stands in the files.
 
 mod checkout;
@@ -27,7 +27,7 @@ use template::Template;
 /// Make a crate around a mechanism: its energies, a build script, a program that moves it, a test.
 ///
 /// The program writes a table and a moving picture. The crate depends on mbs-derive and mbs-runtime: of the checkout
-/// given by `--path`, else of one that the current folder or this program lies in, else of the registry.
+/// given by `--path`, else of one that the current folder or this program lies in.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Example:
@@ -52,18 +52,15 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = name::of(&arguments.folder)?;
     let is_there = is_empty_folder(&arguments.folder)?;
     let checkout = match &arguments.path {
-        Some(path) => Some(Checkout::given(path)?),
-        None => Checkout::found(),
+        Some(path) => Checkout::given(path)?,
+        None => Checkout::found()?,
     };
     let template = arguments.template;
-    let dependencies = |package: &str| checkout::dependency(checkout.as_ref(), &arguments.folder, package);
+    let dependencies = |package: &str| checkout::dependency(&checkout, &arguments.folder, package);
     let mut files = template.files(&name, dependencies);
     files.push(snapshot(template)?);
     place(&arguments.folder, is_there, &files)?;
-    let from = match &checkout {
-        Some(checkout) => format!("mbs of {}", checkout.root().display()),
-        None => format!("mbs {} of the registry", env!("CARGO_PKG_VERSION")),
-    };
+    let from = format!("mbs of {}", checkout.root().display());
     let folder = arguments.folder.display();
     output::answer(
         || {

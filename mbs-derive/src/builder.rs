@@ -224,7 +224,8 @@ impl Mechanism {
     ) -> Vec<Scalar> {
         let place = self.place(call);
         let docs = std::mem::take(&mut self.next);
-        let default = if keyword == "param" { " = 1" } else { "" };
+        // Behind a unit; what is written there already is then none.
+        let default = if matches!(keyword, "param" | "prescribed") { " = 1" } else { "" };
         if let Some(unit) = self.one(&format!("{keyword} {name}: {unit}{default};"), name, &place).and_then(unit_of) {
             let length = length.map(|n| expression(ExpressionKind::Number(n.to_string()), &place));
             let name = named(name, &place);
@@ -348,6 +349,7 @@ impl Mechanism {
 
     /// `reaction name at pose;`: what the part before the joint exerts on the part behind it, which is what is built on
     /// the pose that is returned.
+    #[must_use = "on what is not built on this pose the joint exerts nothing"]
     #[track_caller]
     pub fn reaction(&mut self, name: &str, pose: impl Into<Pose>) -> Pose {
         let call = self.here(Location::caller());

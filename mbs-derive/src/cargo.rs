@@ -11,6 +11,7 @@ use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::analysis::{self, Analysis};
 use crate::builder::Mechanism;
@@ -36,6 +37,7 @@ pub fn compile(file: impl AsRef<Path>) {
 }
 
 /// Generates one mechanism with default options as [`compile`] does, for a build script that handles the error itself.
+/// After an error there is no module, that of an earlier run neither.
 ///
 /// ```no_run
 /// if let Err(report) = mbs_derive::try_compile("mechanisms/cart_pole.mbs") {
@@ -165,7 +167,10 @@ impl Config {
     /// # Errors
     /// The report that [`compile`](Self::compile) prints.
     pub fn try_compile(&self, file: impl AsRef<Path>) -> Result<(), Report> {
-        Ok(self.write(file.as_ref())?)
+        self.write(file.as_ref()).map_err(|report| {
+            self.forget(file.as_ref());
+            Report(report)
+        })
     }
 
     /// Generates a mechanism that is written as Rust values. Files that it was made of are the script's to name, by
@@ -191,6 +196,16 @@ impl Config {
     fn write(&self, file: &Path) -> Result<(), String> {
         let made = self.make(watched(file)?)?;
         self.write_module(&made, &[&made.sources])
+    }
+
+    /// What an earlier run has made of a file has the equations of another text.
+    fn forget(&self, file: &Path) {
+        let Ok(Some(folder)) = self.folder_of_records() else { return };
+        // A record is known by the file's path alone.
+        let nothing = Sources::new(&file.to_string_lossy(), "");
+        if let Some(kept) = Kept::new(&folder, &nothing, &self.options) {
+            kept.forget();
+        }
     }
 
     fn write_mechanism(&self, mechanism: &Mechanism) -> Result<(), String> {
@@ -245,7 +260,19 @@ impl Config {
 
     /// The record last: it is of the module that is there.
     fn write_module(&self, made: &Made, read: &[&Sources]) -> Result<(), String> {
+        let (Generated { module, name, .. }, sources) = (&made.generated, &made.sources);
+        let from = sources.call(&(0..0)).map_or_else(|| sources.main().name.clone(), |call| call.to_string());
+        let path = self.folder()?.join(module);
+        if let Some(other) = written().get(&path).filter(|other| **other != from) {
+            return Err(format!(
+                "error: `{name}` of {from} would be written to {module}.rs, as the mechanism of {other}\n  \
+                 = help: give the mechanism another name\n"
+            ));
+        }
+        // The mechanism may have had another name.
+        made.kept.iter().for_each(Kept::forget);
         self.write_files(&made.generated, read)?;
+        written().insert(path, from);
         let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
         self.write_file(file, &text, read)
     }
@@ -280,6 +307,13 @@ impl Config {
             .and_then(|()| fs::rename(&beside, &path))
             .map_err(|e| format!("error: cannot write {}: {e}", path.display()))
     }
+}
+
+/// The modules that this program has written, with what they were made of: of two mechanisms that a script calls alike,
+/// the second would be written over the first.
+fn written() -> MutexGuard<'static, BTreeMap<PathBuf, String>> {
+    static WRITTEN: Mutex<BTreeMap<PathBuf, String>> = Mutex::new(BTreeMap::new());
+    WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A mechanism of the folder.
@@ -491,6 +525,26 @@ mod tests {
         let left = fs::read_to_string(&file).unwrap();
         fs::remove_dir_all(&folder).unwrap();
         assert_eq!(left, text);
+    }
+
+    #[test]
+    fn two_mechanisms_of_one_name_are_refused() {
+        let folder = std::env::temp_dir().join(format!("mbs_derive_twice_{}", std::process::id()));
+        let (config, place) = (Config::new().out_dir(&folder), |name: &str| folder.join(name));
+        fs::create_dir_all(&folder).unwrap();
+        let text = "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }";
+        ["a.mbs", "b.mbs"].iter().for_each(|name| fs::write(place(name), text).unwrap());
+        let written = |name: &str| config.try_compile(place(name)).map_err(|report| report.to_string());
+        let results = [written("a.mbs"), written("b.mbs"), written("a.mbs")];
+        fs::remove_dir_all(&folder).unwrap();
+        let (a, b) = (place("a.mbs"), place("b.mbs"));
+        let twice = format!(
+            "error: `Spring` of {} would be written to spring.rs, as the mechanism of {}\n  \
+             = help: give the mechanism another name\n",
+            b.display(),
+            a.display()
+        );
+        assert_eq!(results, [Ok(()), Err(twice), Ok(())]);
     }
 
     #[test]

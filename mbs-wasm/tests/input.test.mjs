@@ -75,6 +75,8 @@ test("arguments of compile", () => {
   assert.throws(() => mbs.compile("", { name: null }), isInput(/^name/));
   assert.throws(() => mbs.compile("", { files: { "a.mbs": 1 } }), isInput(/^a\.mbs/));
   assert.throws(() => mbs.compile("", { file: {} }), isInput(/no `file`/));
+  assert.throws(() => mbs.compile("", { files: null }), isInput(/^files: .* found null/));
+  assert.throws(() => mbs.compile("", new Map()), isInput(/^compile: .* found an object of type Map/));
   assert.throws(() => mbs.compile(""), ModelError);
   assert.throws(() => mbs.compile("\ud800 mechanism"), ModelError);
   assert.throws(() => mbs.compile("mechanism A {".repeat(1000)), ModelError);
@@ -109,6 +111,14 @@ test("states", () => {
   assert.throws(call({ q: [1], params: { k_0: NaN } }), isInput(/^params\.k_0/));
   assert.throws(call({ q: [1], prescribed: { s: 1 } }), isInput(/^prescribed: there is no `s`; there is none/));
   assert.throws(call(null), isInput(/takes an object/));
+  // What holds numbers, but has no keys.
+  for (const q of [new Map([["x", 1]]), new Set([1]), new Float64Array(1).buffer, Promise.resolve([1])]) {
+    assert.throws(call({ q }), isInput(new RegExp(`^q: .* found an object of type ${q.constructor.name}`)));
+  }
+  assert.throws(call({ q: [1], params: new Map([["m", 4]]) }), isInput(/^params: .* found an object of type Map/));
+  for (const params of [{ k_0: 5, k: [1, 1] }, { k: [1, 1], k_0: 5 }]) {
+    assert.throws(call({ q: [1], params }), isInput(/^params: `k_0` is given twice/));
+  }
   assert.throws(() => spring.evaluate("mass", { q: [0] }), isInput(/no function `mass`; there are/));
   assert.throws(() => spring.evaluate("constructor", { q: [0] }), isInput(/no function/));
   assert.throws(() => spring.emit("cobol"), isInput(/no language `cobol`/));
@@ -129,7 +139,10 @@ test("motions", () => {
   assert.throws(call({ method: "euler" }), isInput(/^method: it is one of dop853/));
   assert.throws(call({ events: [{ of: "y" }] }), isInput(/^events\[0\]\.of: there is no `y`; there are t, x/));
   assert.throws(call({ events: [{ of: "x", direction: "up" }] }), isInput(/^events\[0\]\.direction/));
+  assert.throws(call({ events: [{ of: "x", direction: "toString" }] }), isInput(/^events\[0\]\.direction/));
   assert.throws(call({ events: [{ of: "x", multiply: { x: 2 } }] }), isInput(/^events\[0\]\.multiply/));
+  assert.throws(call({ events: [{ of: "x", multiply: null }] }), isInput(/^events\[0\]\.multiply: .* found null/));
+  assert.throws(call({ inputs: async () => [1] }), isInput(/^inputs: .* found an object of type Promise/));
   assert.throws(call({ inputs: { g: 1 } }), isInput(/^inputs: there is no `g`; there are f/));
   assert.throws(call({ inputs: [1], u: [1] }), isInput(/twice/));
   assert.throws(call({ inputs: { f: [[0, 0], [1, 1]] } }), isInput(/times must increase/));

@@ -132,6 +132,28 @@ fn what_a_mechanism_imports_belongs_to_it() {
     assert!(!wrong.contains("panicked"), "{wrong}");
 }
 
+/// After an error there is nothing to be compiled: neither what the text said before, nor under what name.
+#[test]
+fn a_build_that_goes_on_has_no_old_equations() {
+    let crate_ = Downstream::new("stale", &block("toml"));
+    let bead = "mechanism Bead { param m: kg = 1.0; coord s: m; kinetic += 1/2*m*dt(s)^2; }\n";
+    let build = "fn main() {\n    if let Err(report) = mbs_derive::try_compile(\"bead.mbs\") {\n        \
+                 println!(\"cargo::warning={}\", report.to_string().lines().next().unwrap_or_default());\n    }\n}\n";
+    crate_.write("build.rs", build);
+    crate_.write("src/main.rs", "mbs_runtime::include_mechanism!(\"bead\");\nfn main() {}\n");
+    for other in [bead.replace("m*dt", "mass*dt"), bead.replace("Bead", "Pearl"), String::new()] {
+        crate_.write("bead.mbs", bead);
+        let good = crate_.cargo(&["build"]);
+        assert!(good.status.success(), "{}", text(&good));
+        crate_.write("bead.mbs", &other);
+        assert!(!crate_.cargo(&["build"]).status.success(), "{other}");
+    }
+    crate_.write("bead.mbs", bead);
+    assert!(crate_.cargo(&["build"]).status.success());
+    fs::remove_file(crate_.path("bead.mbs")).expect("the mechanism");
+    assert!(!crate_.cargo(&["build"]).status.success(), "the text is gone");
+}
+
 /// Code that is checked in, of a folder with shared files in it; and modules that would be one file.
 #[test]
 fn a_folder_is_generated_beside_its_index() {

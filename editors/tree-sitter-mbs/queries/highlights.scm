@@ -38,7 +38,8 @@
   (#any-of? @function.builtin
     "dt" "sin" "cos" "tan" "asin" "acos" "atan" "sinh" "cosh" "tanh" "exp" "ln" "abs" "signum" "sqrt" "atan2" "hypot"
     "min" "max" "clamp" "dot" "cross" "rot_x" "rot_y" "rot_z" "rotation" "quaternion" "rpy" "translation" "dh"
-    "angular_velocity" "diag" "inertia" "particle" "rigid_body" "table" "table_monotone" "table_spline"))
+    "angular_velocity" "diag" "inertia" "particle" "rigid_body" "table" "table_monotone" "table_spline"
+    "spring" "coulomb_stribeck" "contact"))
 
 ["+" "-" "*" "/" "^" "=" "+=" "<" "<=" ">" ">=" "==" "!=" "&&" "||" "!" ".."] @operator
 ["(" ")" "[" "]" "{" "}"] @punctuation.bracket

@@ -148,6 +148,29 @@ test("words are told apart by what stands around them", async () => {
     "shape keyword.other.statement", "mesh support.function", '"a b.stl" string.quoted.double', "2 constant.numeric",
   ]);
   await check("param l: m = 1, positive;", ["positive storage.modifier"]);
+  await check("param l: m = 1, positive // longer\n;", ["positive storage.modifier"]);
+  await check("reaction hinge[i] at link;", [
+    "reaction keyword.other.statement", "hinge variable.other.declaration", "i variable.other", "at keyword.other.at",
+    "link variable.other",
+  ]);
+  await check("let shape = 2; output o = shape*at;", ["shape variable.other.declaration", "shape variable.other", "at variable.other"]);
+  await check("link arm[i + 1](m, world); link hand(m, arm);", [
+    "link entity.name.function", "arm variable.other.declaration", "m variable.other", "hand variable.other.declaration",
+  ]);
+  await check("if a < b { } else if (a < c) { }", ["else keyword.control", "if keyword.control"]);
+});
+
+test("both grammars know every function of the language", () => {
+  const words = read(root, "mbs-cli/src/lsp/words.rs");
+  const functions = words.slice(words.indexOf("const FUNCTIONS"), words.indexOf("const METHODS"));
+  const query = read(root, "editors/tree-sitter-mbs/queries/highlights.scm");
+  const support = json("syntaxes/mbs.tmLanguage.json").repository.values.patterns.find(({ name }) => name === "support.function.mbs");
+  const names = [...functions.matchAll(/\("(\w+)", "/g)].map(([, name]) => name);
+  assert.ok(names.length > 40, `${names}`);
+  for (const name of names) {
+    assert.ok(query.includes(`"${name}"`), `tree-sitter: ${name}`);
+    assert.match(`${name}(`, new RegExp(support.match), `TextMate: ${name}`);
+  }
 });
 
 test("what has no meaning is marked", async () => {

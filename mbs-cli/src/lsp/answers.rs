@@ -7,11 +7,14 @@ use lsp_types::{
     CompletionItem, CompletionItemKind, Documentation, Hover, HoverContents, InlayHint, InlayHintKind, InlayHintLabel,
     Location, MarkupContent, MarkupKind, Position, SymbolKind, TextEdit,
 };
+use mbs_derive::diagnostic::Diagnostic;
+use mbs_derive::source::Sources;
 use serde_json::{Value, json};
 
-use super::documents::Documents;
-use super::outline::{Kind, Role, Space, Symbol};
-use super::resolve::{Files, Place, references};
+use super::documents::{Document, Documents};
+use super::outline::{Kind, Role, Space, Symbol, Word};
+use super::resolve::{Files, Place, importing, references};
+use super::text::Text;
 use super::words::{Known, known};
 
 /// A file as it is now, and what is known of it.
@@ -77,12 +80,12 @@ impl View<'_> {
         Some(locations)
     }
 
-    fn text(&self, name: &str) -> Option<super::text::Text> {
+    fn text(&self, name: &str) -> Option<Text> {
         if let Some(file) = self.files.0.iter().find(|file| file.name == name) {
             return Some(file.text.clone());
         }
         let sources = self.documents.sources(name)?;
-        Some(super::text::Text::new(sources.main().text.clone().ok()?))
+        Some(Text::new(sources.main().text.clone().ok()?))
     }
 
     /// The name at a position, if it can have another.
@@ -109,36 +112,64 @@ impl View<'_> {
         if !is_name {
             return Err(format!("`{name}` is not a name: names are ASCII letters, digits and `_`"));
         }
-        let free = ["gravity", "part", "at", "on", "positive", "jacobian_rate"];
-        let taken = |known: &Known| matches!(known.kind, "keyword" | "constant") && known.name == name;
-        if known().iter().any(|known| taken(known) && !free.contains(&name)) {
-            return Err(format!("`{name}` is a word of the language"));
-        }
-        let symbol = self.files.symbol(place);
-        for (number, file) in self.files.0.iter().enumerate() {
-            let meets = |other: &Symbol| match number == place.0 {
-                true => {
-                    let (own, theirs) =
-                        (&file.outline.scopes[symbol.scope].span, &file.outline.scopes[other.scope].span);
-                    other.span != symbol.span && own.start < theirs.end && theirs.start < own.end
-                }
-                false => other.scope == 0 || symbol.scope == 0,
-            };
-            let same =
-                |other: &&Symbol| other.name == name && other.kind.space() == symbol.kind.space() && meets(other);
-            if let Some(other) = file.outline.symbols.iter().find(same) {
-                let what = other.kind.described();
-                let article = if what.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
-                return Err(format!("`{name}` is already {article} {what}"));
-            }
-        }
         let mut changes: BTreeMap<String, Vec<TextEdit>> = BTreeMap::new();
-        for location in self.references(position, true).unwrap_or_default() {
-            let edit = TextEdit { range: location.range, new_text: name.to_string() };
-            changes.entry(location.uri.as_str().to_string()).or_default().push(edit);
+        let mut renamed = self.documents.clone();
+        for (file, spans) in references(self.documents, self.files, place) {
+            let (Some(uri), Some(mut text)) = (self.documents.uri(&file), self.text(&file)) else { continue };
+            let edits = spans.iter().map(|span| TextEdit { range: text.range(span), new_text: name.to_string() });
+            changes.insert(uri.as_str().to_string(), edits.collect());
+            spans.into_iter().rev().for_each(|span| text.text.replace_range(span, name));
+            renamed.insert(Document { uri, text: Text::new(text.text), version: 0 });
+        }
+        let own = self.documents.sources(&self.files.0[0].name);
+        for old in own.into_iter().chain(importing(self.documents, self.files, place)) {
+            let new = renamed.sources(&old.main().name);
+            new.map_or(Ok(()), |new| same_meaning(&old, &new, name))?;
         }
         Ok(json!({ "changes": changes }))
     }
+}
+
+/// Whether a text still means the same when something in it is called otherwise.
+///
+/// # Errors
+/// Why not: the first word that stands for something else, or what is wrong now.
+fn same_meaning(old: &Sources, new: &Sources, name: &str) -> Result<(), String> {
+    let (before, after) = (Files::of(old), Files::of(new));
+    let roles = |files: &Files| -> Vec<Role> {
+        files.0.iter().flat_map(|file| &file.outline.words).map(|word| word.role.clone()).collect()
+    };
+    if roles(&before) != roles(&after) {
+        return Err(format!("`{name}` is a word of the language"));
+    }
+    // What is declared has the same number in both.
+    for (number, file) in before.0.iter().enumerate() {
+        for (word, Word { span, .. }) in file.outline.words.iter().enumerate() {
+            let (was, is) = (before.resolved(number, word), after.resolved(number, word));
+            // Of the two places one has had the name already.
+            let had = |place: &Place| before.symbol(*place).name == name;
+            match [was, is].into_iter().flatten().find(had) {
+                _ if was == is => {}
+                Some(place) => {
+                    let what = before.symbol(place).kind.described();
+                    let article = if what.starts_with(['a', 'i', 'o']) { "an" } else { "a" };
+                    return Err(format!("`{name}` is already {article} {what}"));
+                }
+                None => {
+                    let line = file.text.position(span.start).line + 1;
+                    return Err(format!("`{name}` would be something else in line {line} of `{}`", file.name));
+                }
+            }
+        }
+    }
+    let mut known: Vec<String> = old.surveyed().0.iter().map(Diagnostic::code).collect();
+    let found = new.surveyed().0;
+    let is_new = |found: &&Diagnostic| {
+        let place = known.iter().position(|code| *code == found.code());
+        place.map(|place| known.swap_remove(place)).is_none()
+    };
+    let new = found.iter().find(is_new).map(|found| found.message.clone());
+    new.map_or(Ok(()), Err)
 }
 
 // ---- hover

@@ -14,38 +14,39 @@ use super::Event;
 /// A mechanism to be derived.
 #[derive(Debug)]
 pub(super) struct Job {
-    /// The file's name, and the state of the texts that it is about.
+    /// The file's name, and the texts that it is about.
     pub(super) name: String,
-    pub(super) edition: u64,
     pub(super) sources: Sources,
 }
 
 /// What came of it.
 #[derive(Debug)]
 pub(super) struct Derived {
-    pub(super) name: String,
-    pub(super) edition: u64,
+    pub(super) job: Job,
     /// What the proof has found, beside what was known before.
     pub(super) diagnostics: Vec<Diagnostic>,
     /// Additions and multiplications of each function.
     pub(super) costs: Vec<(String, usize)>,
 }
 
-/// Jobs in; of several that wait the last one counts.
+/// Jobs in, the last one first; of several about one file the last one counts.
 pub(super) fn worker(events: Sender<Event>) -> Sender<Job> {
     let (jobs, waiting): (Sender<Job>, Receiver<Job>) = channel();
     // Deep expressions are gone through by recursion.
     let builder = thread::Builder::new().stack_size(16 << 20);
     let spawned = builder.spawn(move || {
-        while let Ok(mut job) = waiting.recv() {
-            while let Ok(later) = waiting.try_recv() {
-                job = later;
+        let mut pending: Vec<Job> = Vec::new();
+        loop {
+            let awaited = if pending.is_empty() { waiting.recv().ok() } else { None };
+            for later in awaited.into_iter().chain(waiting.try_iter()) {
+                pending.retain(|job| job.name != later.name);
+                pending.push(later);
             }
+            let Some(job) = pending.pop() else { return };
             // A bug of the generator is no reason to leave the editor alone.
             let derived = catch_unwind(AssertUnwindSafe(|| derived(&job)));
             let (diagnostics, costs) = derived.unwrap_or_default();
-            let derived = Derived { name: job.name, edition: job.edition, diagnostics, costs };
-            if events.send(Event::Derived(derived)).is_err() {
+            if events.send(Event::Derived(Derived { job, diagnostics, costs })).is_err() {
                 return;
             }
         }

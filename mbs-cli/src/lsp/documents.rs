@@ -16,7 +16,7 @@ const MAX_BYTES: u64 = 1 << 26;
 /// How many files of the user's folders are looked at for uses of a name.
 const MAX_FILES: usize = 2000;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Document {
     pub(super) uri: Uri,
     pub(super) text: Text,
@@ -24,7 +24,7 @@ pub(super) struct Document {
 }
 
 /// Open files by their names, which are paths where they are files.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Documents {
     open: BTreeMap<String, Document>,
     /// The folders that are open in the editor.

@@ -20,6 +20,8 @@ const MOST: usize = 200;
 pub(super) struct Problem {
     pub(super) shown: Shown,
     pub(super) fix: Option<TextEdit>,
+    /// Whether others may have been meant as well.
+    is_guess: bool,
 }
 
 /// The messages by the names of their files; each file that was looked at is among them.
@@ -73,11 +75,12 @@ pub(super) fn problems<'d>(
             related_information: (!notes.is_empty()).then_some(notes),
             ..Shown::default()
         };
+        let is_guess = diagnostic.help.as_ref().is_some_and(|help| help.starts_with("did you mean"));
         let mut own = diagnostic.clone();
         own.span = span;
         let fix = own.replacement(&file.text.text);
         let fix = fix.map(|(place, text)| TextEdit { range: file.text.range(&place), new_text: text });
-        by_file.entry(file.name.clone()).or_default().push(Problem { shown, fix });
+        by_file.entry(file.name.clone()).or_default().push(Problem { shown, fix, is_guess });
     }
     by_file
 }
@@ -97,7 +100,7 @@ pub(super) fn actions(uri: &Uri, problems: &[Problem], range: lsp_types::Range) 
             kind: Some(CodeActionKind::QUICKFIX),
             diagnostics: Some(vec![problem.shown.clone()]),
             edit: Some(edit),
-            is_preferred: Some(true),
+            is_preferred: Some(!problem.is_guess),
             ..CodeAction::default()
         }))
     };

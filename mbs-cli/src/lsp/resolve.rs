@@ -193,19 +193,25 @@ pub(super) fn references(documents: &Documents, files: &Files, place: Place) -> 
     let (file, symbol) = (&files.0[place.0], files.symbol(place));
     let mut found = BTreeSet::new();
     files.occurrences(&file.name, symbol.span.start, &symbol.name, &mut found);
-    if !file.outline.is_mechanism {
-        for name in documents.all() {
-            let Some(sources) = documents.sources(&name) else { continue };
-            if sources.names().any(|other| other == file.name) && name != files.0[0].name {
-                Files::of(&sources).occurrences(&file.name, symbol.span.start, &symbol.name, &mut found);
-            }
-        }
+    for sources in importing(documents, files, place) {
+        Files::of(&sources).occurrences(&file.name, symbol.span.start, &symbol.name, &mut found);
     }
     let mut places: BTreeMap<String, Vec<Range<usize>>> = BTreeMap::new();
     for (name, (start, end)) in found {
         places.entry(name).or_default().push(start..end);
     }
     places
+}
+
+/// The other files that import the one of a symbol, if others may.
+pub(super) fn importing(documents: &Documents, files: &Files, place: Place) -> Vec<Sources> {
+    let file = &files.0[place.0];
+    if file.outline.is_mechanism {
+        return Vec::new();
+    }
+    let others = documents.all().into_iter().filter(|name| *name != files.0[0].name);
+    let sources = others.filter_map(|name| documents.sources(&name));
+    sources.filter(|sources| sources.names().any(|other| other == file.name)).collect()
 }
 
 /// The columns of a table.

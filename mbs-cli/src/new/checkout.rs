@@ -24,13 +24,19 @@ impl Checkout {
     }
 
     /// The one that the current folder lies in, or this program: what `cargo run` in a checkout has built.
-    pub(super) fn found() -> Option<Self> {
+    ///
+    /// # Errors
+    /// There is none. Of a registry nothing is taken: who has these names there is not known.
+    pub(super) fn found() -> Result<Self, Failure> {
         let program = std::env::current_exe().ok().and_then(|program| program.canonicalize().ok());
         let folder = std::env::current_dir().ok();
         let above = [folder, program].into_iter().flatten();
         above
             .flat_map(|place| place.ancestors().map(Path::to_path_buf).collect::<Vec<_>>())
             .find_map(|root| is_checkout(&root).then_some(Checkout { root }))
+            .ok_or_else(|| {
+                Failure::new("the crate depends on a checkout of mbs, and there is none around: name it by --path DIR")
+            })
     }
 
     pub(super) fn root(&self) -> &Path {
@@ -52,19 +58,14 @@ fn is_checkout(root: &Path) -> bool {
     })
 }
 
-/// A line of a manifest: the package in the checkout, seen from the folder of the crate, or its version.
-pub(super) fn dependency(checkout: Option<&Checkout>, folder: &Path, package: &str) -> String {
-    match checkout {
-        None => format!("{package} = \"{}\"\n", env!("CARGO_PKG_VERSION")),
-        Some(checkout) => {
-            let path = seen_from(folder, &checkout.root.join(package));
-            // A string of TOML without escapes, where the path allows it.
-            let path = path.to_string_lossy().replace('\\', "/");
-            let quoted = if path.contains('\'') { format!("{path:?}") } else { format!("'{path}'") };
-            let quoted = if path.contains(['\'', '"']) { quoted } else { format!("\"{path}\"") };
-            format!("{package} = {{ path = {quoted} }}\n")
-        }
-    }
+/// A line of a manifest: the package in the checkout, seen from the folder of the crate.
+pub(super) fn dependency(checkout: &Checkout, folder: &Path, package: &str) -> String {
+    let path = seen_from(folder, &checkout.root.join(package));
+    // A string of TOML without escapes, where the path allows it.
+    let path = path.to_string_lossy().replace('\\', "/");
+    let quoted = if path.contains('\'') { format!("{path:?}") } else { format!("'{path}'") };
+    let quoted = if path.contains(['\'', '"']) { quoted } else { format!("\"{path}\"") };
+    format!("{package} = {{ path = {quoted} }}\n")
 }
 
 /// Relative where the crate lies within the checkout or beside it, so that both can be moved together; else absolute.
@@ -140,8 +141,7 @@ mod tests {
         assert!(Checkout::given(folder.path()).is_err());
         write("Cargo.toml", &format!("[workspace.package]\nversion = \"{}\"\n", env!("CARGO_PKG_VERSION")));
         let checkout = Checkout::given(folder.path()).unwrap();
-        let line = dependency(Some(&checkout), &folder.path().join("arm"), "mbs-derive");
+        let line = dependency(&checkout, &folder.path().join("arm"), "mbs-derive");
         assert_eq!(line, "mbs-derive = { path = \"../mbs-derive\" }\n");
-        assert_eq!(dependency(None, Path::new("arm"), "mbs-derive"), "mbs-derive = \"0.1.0\"\n");
     }
 }

@@ -77,6 +77,7 @@ fn examples_of_the_help_run() {
     let workshop = Workshop::new();
     workshop.write("arm.urdf", ARM);
     workshop.write("swings.toml", SWINGS);
+    crate::new::checkout(&workshop, ".");
     // The language server speaks until it is told to end: `lsp.rs` talks with it.
     for name in commands(&workshop).into_iter().filter(|name| name != "lsp") {
         let help = workshop.good(&[&name, "--help"]);
@@ -206,6 +207,7 @@ fn every_command_speaks_json() {
     workshop.write("untidy.mbs", crate::PENDULUM.replace("    ", "\t"));
     assert_eq!(json(&["fmt", "untidy.mbs", "r.mbs"])["written"], serde_json::json!(["untidy.mbs"]));
     workshop.write("swings.toml", SWINGS);
+    crate::new::checkout(&workshop, ".");
     let swept = json(&["sweep", "swings.toml"]);
     assert_eq!((&swept["members"], &swept["written"]), (&3.into(), &serde_json::json!(["swings.csv"])));
     assert_eq!(json(&["plot", "swings.csv", "--out", "a.png"])["written"], serde_json::json!(["a.png"]));
@@ -224,6 +226,12 @@ fn every_command_speaks_json() {
     let report = workshop.bad(&["--json", "check", "missing.mbs"]);
     let message: Value = serde_json::from_str(&report).unwrap();
     assert!(message["message"].as_str().unwrap().starts_with("cannot read missing.mbs"), "{report}");
+    workshop.write("latin1.mbs", b"mechanism Caf\xe9 {}\n");
+    let report = workshop.bad(&["--json", "check", "latin1.mbs"]);
+    let message: Value = serde_json::from_str(&report).unwrap();
+    let place = ["code", "file", "line", "column", "help"].map(|key| message[key].clone());
+    let help = "save the file as UTF-8; this byte was probably meant as `é`";
+    assert_eq!(place, ["MBS0101".into(), "latin1.mbs".into(), 1.into(), 14.into(), help.into()] as [Value; 5]);
     // Warnings too, whether derived now or kept.
     workshop.write("odd.mbs", crate::PENDULUM.replace("kinetic", "output size = abs(theta);\n    kinetic"));
     let warned = workshop.mbs(&["check", "odd.mbs", "--json"]);

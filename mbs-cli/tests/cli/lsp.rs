@@ -68,6 +68,7 @@ fn a_typo_is_underlined_and_mended() {
         "textDocument": { "uri": uri }, "range": range(line, column, line, column), "context": { "diagnostics": [] },
     }));
     assert_eq!((&actions[0]["title"], &actions[0]["kind"]), (&json!("write `mass`"), &json!("quickfix")));
+    assert_eq!(actions[0]["isPreferred"], false, "it is a guess");
     let edit = actions[0]["edit"]["changes"][&uri][0].clone();
     editor.change("cart.mbs", json!([{ "range": edit["range"], "text": edit["newText"] }]));
     assert_eq!(editor.problems("cart.mbs"), [Value::Null; 0]);
@@ -82,6 +83,7 @@ fn a_typo_is_underlined_and_mended() {
         }),
     );
     assert_eq!(actions[0]["edit"]["changes"][&uri][0]["newText"], ";");
+    assert_eq!(actions[0]["isPreferred"], true);
     assert_eq!(editor.end(), 0);
 }
 
@@ -228,6 +230,54 @@ fn definitions_references_and_names() {
     assert_eq!(editor.end(), 0);
 }
 
+/// A rename that would change what a text means, or break it, is refused; what only looks like one is not.
+#[test]
+fn renamed_texts_mean_the_same() {
+    const PARTS: &str = "import \"lib.mbs\";\nmechanism A {\n    part bob(m, x) {\n        let end = [x, 0, 3*x];\n        \
+        kinetic += particle(m, end);\n        output tip = [x, 0, 2*x];\n    }\n    fn twice(a) = 2*a;\n    param k: N/m = 1;\n    \
+        coord x: m;\n    coord q[2]: m;\n    let base = twice(x);\n    bob b(1 kg, x);\n    \
+        kinetic += 1/2*(1 kg)*(dt(q[0])^2 + dt(q[1])^2);\n    potential += 3 N*b.tip.z + k*x^2 + g*base*(1 kg);\n    \
+        output o = [sin(x/(1 m)), 0, 0];\n}\n";
+    let mut editor = Editor::new(workshop());
+    editor.open("parts.mbs", PARTS);
+    assert_eq!(editor.problems("parts.mbs"), [Value::Null; 0]);
+    // What is open in the editor counts.
+    editor.open("lib.mbs", LIB);
+    let mut check = |file: &str, text: &str, marked: &str, name: &str, reason: &str| {
+        let mut params = editor.at(file, text, marked);
+        params["newName"] = json!(name);
+        let response = editor.response("textDocument/rename", params);
+        let refused = response["error"]["message"].as_str().unwrap_or_default();
+        assert!(refused.contains(reason) && refused.is_empty() == reason.is_empty(), "{marked} -> {name}: {response}");
+    };
+    for (marked, name, reason) in [
+        ("output |tip", "end", "`end` is already a local name"),
+        ("let |end", "tip", "`tip` is already an output"),
+        ("fn |twice", "base", "`base`"),
+        ("let |base", "twice", "`twice`"),
+        ("fn |twice", "sin", "`sin`"),
+        ("fn |twice", "particle", "`particle`"),
+        ("output |o", "gravity", "`gravity`"),
+        ("output |o", "mass_matrix", "`mass_matrix`"),
+        ("param |k", "q_1", "`q_1`"),
+        ("coord |x:", "energy", "`energy`"),
+        ("part |bob", "part", "`part`"),
+        ("param |k", "g", "`g` is already a constant"),
+        ("param |k", "pi", "`pi`"),
+        ("param |k", "if", "`if` is a word of the language"),
+        // A function's argument hides what it does not use; an output may be called as a parameter is.
+        ("fn twice(|a)", "k", ""),
+        ("let |base", "tip", ""),
+        ("output |tip", "top", ""),
+    ] {
+        check("parts.mbs", PARTS, marked, name, reason);
+    }
+    // In a file that imports the name.
+    check("lib.mbs", LIB, "const |g:", "k", "`k` is already a parameter");
+    check("lib.mbs", LIB, "const |g:", "g_0", "");
+    assert_eq!(editor.end(), 0);
+}
+
 fn place_of(marked: &str) -> (usize, usize) {
     place(CART, marked)
 }
@@ -338,6 +388,34 @@ fn what_the_proof_finds_is_told() {
         thread::sleep(Duration::from_millis(100));
     }
     panic!("{:?}", editor.problems("cart.mbs"));
+}
+
+/// Of several files that wait each is proved, and what was found stays while its text does.
+#[test]
+fn every_open_file_is_proved() {
+    let stop = include_str!("../../../tests/bad/branch_never_taken.mbs");
+    let mut editor = Editor::new(workshop());
+    let names = ["a.mbs", "b.mbs", "c.mbs", "d.mbs"];
+    names.iter().for_each(|name| editor.open(name, stop));
+    let until_all = |editor: &mut Editor| {
+        for _ in 0..600 {
+            if names.iter().all(|name| editor.problems(name).iter().any(|found| found["code"] == "MBS1201")) {
+                return;
+            }
+            thread::sleep(Duration::from_millis(100));
+        }
+        panic!("{:?}", editor.problems);
+    };
+    until_all(&mut editor);
+    editor.tell("textDocument/didSave", json!({ "textDocument": { "uri": editor.uri("a.mbs") } }));
+    for name in names {
+        assert_eq!(editor.problems(name).len(), 1, "{name}");
+    }
+    // What is changed is proved again.
+    editor.change("b.mbs", json!([{ "text": stop.replace("Stop", "Other") }]));
+    assert_eq!(editor.problems("b.mbs").len(), 0);
+    until_all(&mut editor);
+    assert_eq!(editor.end(), 0);
 }
 
 #[test]

@@ -31,12 +31,29 @@ fn files(folder: &Path) -> Vec<String> {
     found
 }
 
+/// A workshop with a checkout in it, `mbs`.
+fn workshop() -> Workshop {
+    let workshop = Workshop::new();
+    checkout(&workshop, "mbs");
+    workshop
+}
+
+/// Makes a folder look like a checkout.
+pub(crate) fn checkout(workshop: &Workshop, folder: &str) {
+    let version = env!("CARGO_PKG_VERSION");
+    for package in ["mbs-derive", "mbs-runtime"] {
+        std::fs::create_dir_all(workshop.path(&format!("{folder}/{package}"))).unwrap();
+        let manifest = format!("[package]\nname = \"{package}\"\nversion = \"{version}\"\n");
+        workshop.write(&format!("{folder}/{package}/Cargo.toml"), manifest);
+    }
+}
+
 #[test]
 fn every_template_is_a_crate_with_a_good_mechanism() {
-    let workshop = Workshop::new();
+    let workshop = workshop();
     for (template, state) in TEMPLATES.into_iter().zip(STATES) {
         let folder = format!("my-{template}");
-        let said = workshop.good(&["new", &folder, "--template", template]);
+        let said = workshop.good(&["new", &folder, "--template", template, "--path", "mbs"]);
         assert!(said.contains(&format!("the crate `{folder}`")) && said.contains("cargo run"), "{said}");
         let mut expected = vec![
             ".gitignore".to_string(),
@@ -60,6 +77,7 @@ fn every_template_is_a_crate_with_a_good_mechanism() {
         let mechanism = format!("{folder}/mechanisms/{template}.mbs");
         let checked = workshop.good(&["check", &mechanism]);
         assert!(checked.contains("; proved at "), "{checked}");
+        workshop.good(&["fmt", "--check", &mechanism]);
         let motion =
             workshop.mbs(&["simulate", &mechanism, "--state", state, "--t-end", "1", "--dt", "0.1", "--atol", "1e-6"]);
         assert_eq!((motion.code, motion.stdout.lines().count()), (0, 12), "{}", motion.stderr);
@@ -73,22 +91,16 @@ fn every_template_is_a_crate_with_a_good_mechanism() {
     }
 }
 
-/// Of this repository, which the program under test was built in; of another checkout; of the registry.
+/// Of this repository; of another checkout; of that which it is made in.
 #[test]
 fn a_crate_depends_on_the_checkout_at_hand() {
-    let workshop = Workshop::new();
+    let workshop = workshop();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().canonicalize().unwrap();
     if root.join("mbs-derive/Cargo.toml").exists() {
         workshop.good(&["new", "given", "--path", &root.to_string_lossy()]);
         let manifest = workshop.read("given/Cargo.toml");
         let line = format!("mbs-runtime = {{ path = \"{}\" }}", root.join("mbs-runtime").display());
         assert!(manifest.contains(&line), "{manifest}");
-    }
-    let version = env!("CARGO_PKG_VERSION");
-    for package in ["mbs-derive", "mbs-runtime"] {
-        std::fs::create_dir_all(workshop.path(&format!("mbs/{package}"))).unwrap();
-        let manifest = format!("[package]\nname = \"{package}\"\nversion = \"{version}\"\n");
-        workshop.write(&format!("mbs/{package}/Cargo.toml"), manifest);
     }
     workshop.good(&["new", "near", "--path", "mbs"]);
     assert!(workshop.read("near/Cargo.toml").contains("mbs-derive = { path = \"../mbs/mbs-derive\" }"));
@@ -98,11 +110,19 @@ fn a_crate_depends_on_the_checkout_at_hand() {
     assert!(workshop.read("mbs/inside/Cargo.toml").contains("mbs-derive = { path = \"../mbs-derive\" }"));
     let report = workshop.bad(&["new", "lost", "--path", "given"]);
     assert!(report.starts_with("error: --path: given is no checkout of mbs "), "{report}");
+    // The program alone, as it is installed.
+    let program = workshop.path("mbs-alone");
+    std::fs::copy(env!("CARGO_BIN_EXE_mbs"), &program).unwrap();
+    let alone = std::process::Command::new(program).args(["new", "lost"]).current_dir(workshop.path("")).output();
+    let alone = Outcome::of(alone.unwrap());
+    let report = "error: the crate depends on a checkout of mbs, and there is none around: name it by --path DIR\n";
+    assert_eq!((alone.code, alone.stderr.as_str()), (1, report));
+    assert!(!workshop.path("lost").exists());
 }
 
 #[test]
 fn nothing_is_half_written_and_nothing_overwritten() {
-    let workshop = Workshop::new();
+    let workshop = workshop();
     workshop.write("taken", "a file");
     std::fs::create_dir_all(workshop.path("full/src")).unwrap();
     std::fs::create_dir(workshop.path("empty")).unwrap();
@@ -117,12 +137,12 @@ fn nothing_is_half_written_and_nothing_overwritten() {
         ("mbs-runtime", "the name is taken"),
         ("..", "write the name of a new folder"),
     ] {
-        let report = workshop.bad(&["new", name]);
+        let report = workshop.bad(&["new", name, "--path", "mbs"]);
         assert!(report.starts_with("error: ") && report.contains(why), "{name}: {report}");
     }
     assert_eq!(workshop.read("taken"), "a file");
-    workshop.good(&["new", "empty"]);
+    workshop.good(&["new", "empty", "--path", "mbs"]);
     assert!(workshop.path("empty/src/main.rs").exists());
-    assert!(workshop.bad(&["new", "empty"]).contains("the folder is not empty"));
+    assert!(workshop.bad(&["new", "empty", "--path", "mbs"]).contains("the folder is not empty"));
     assert!(workshop.files().iter().all(|name| !name.starts_with(".mbs-")), "{:?}", workshop.files());
 }

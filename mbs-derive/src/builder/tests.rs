@@ -85,6 +85,7 @@ fn what_is_no_declaration_is_refused() {
     check(refused(|a, _, _| drop(a.param("for", "m", 1.0))), "`for`");
     check(refused(|a, _, _| drop(a.param("l", "metre/", 1.0))), "error[MBS");
     check(refused(|a, _, _| drop(a.param("l", "m = 1; coord y: m", 1.0))), "error[MBS");
+    check(refused(|a, _, _| drop(a.signal("s", "m = 2*t"))), "error[MBS");
     check(refused(|a, _, _| drop(a.param("l", "m", f64::NAN))), "NaN is not finite");
     check(refused(|a, _, x| a.force(&(x + x), 1.0)), "acts on a coordinate");
     check(refused(|a, _, x| a.output("dt of", x)), "error[MBS");

@@ -52,20 +52,30 @@ impl Kept {
 
     /// What was made, if the request is the same and both files are whole.
     pub(super) fn read(&self) -> Option<Generated> {
+        self.whole().filter(|(request, _)| *request == self.request.to_string()).map(|(_, made)| made)
+    }
+
+    /// Removes what was made, whatever the request was: but for files that have been written by others since.
+    pub(super) fn forget(&self) {
+        let Some((_, made)) = self.whole() else { return };
+        let module = format!("{}.rs", made.module);
+        let files = made.others.iter().map(|(file, _)| file).chain([&module, &self.file]);
+        files.for_each(|file| drop(fs::remove_file(self.folder.join(file))));
+    }
+
+    /// What was made, with the digest of the request.
+    fn whole(&self) -> Option<(String, Generated)> {
         let record = fs::read_to_string(self.folder.join(&self.file)).ok()?;
         let (sum, content) = record.split_once('\n')?;
         let (request, content_of) = content.split_once('\n')?;
         let (line, warnings) = content_of.split_once('\n')?;
-        if request != self.request.to_string() {
-            return None;
-        }
         let words: Vec<&str> = line.split(' ').collect();
         let (&[module, name, dof, inputs, constraints, implements], files) = words.split_first_chunk()?;
         let code = fs::read_to_string(self.folder.join(format!("{module}.rs"))).ok()?;
         let other = |file: &&str| Some((file.to_string(), fs::read_to_string(self.folder.join(file)).ok()?));
         let others = files.iter().map(other).collect::<Option<Vec<_>>>()?;
         (sum == sum_of(content, &code, &others)).then_some(())?;
-        Some(Generated {
+        let made = Generated {
             module: module.into(),
             name: name.into(),
             dof: dof.parse().ok()?,
@@ -75,7 +85,8 @@ impl Kept {
             code,
             others,
             warnings: warnings.into(),
-        })
+        };
+        Some((request.to_string(), made))
     }
 
     /// The name of the record's file, and its text.
@@ -161,7 +172,14 @@ mod tests {
             }
             write(n, texts[n]);
         }
-        assert_eq!(ours.read(), Some(made));
+        assert_eq!(ours.read(), Some(made.clone()));
+        // Another mechanism's module is not ours to remove.
+        write(1, b"pub struct Other;\n");
+        kept("two", &options).forget();
+        assert!(files.iter().all(|file| file.exists()));
+        write(1, texts[1]);
+        kept("two", &frozen).forget();
+        assert!(!files.iter().any(|file| file.exists()));
         fs::remove_dir_all(&folder).unwrap();
     }
 }

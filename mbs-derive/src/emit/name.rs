@@ -30,8 +30,10 @@ const RESERVED: [&str; 14] = [
 /// Arguments that a component may shadow where it is destructured after all others that are read.
 const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
 
-/// What a struct cannot be called: names that the module has for other types, and the primitive types.
-const TYPES: [&str; 21] = [
+/// What a struct cannot be called: names that the module has for other types and for modules, and the primitive types.
+const TYPES: [&str; 23] = [
+    "coordinate",
+    "input",
     "Params",
     "UncheckedParams",
     "Self",
@@ -396,6 +398,7 @@ mod tests {
         let names = scope.unique_escaped(["self", "m", "self_", "type", "l", "type"].into_iter());
         assert_eq!(names, ["self__2", "m", "self_", "r#type", "l", "type_"]);
         assert_eq!((type_name("loop"), type_name("Self")), ("r#loop".to_string(), "SelfMechanism".to_string()));
+        assert_eq!(type_name("coordinate"), "coordinateMechanism");
     }
 
     #[test]

@@ -219,7 +219,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let value = self.argument(value);
         let Some(binding) = self.names.scope.get(&name.text) else {
             let message = format!("`{}` is not declared", name.text);
-            return Err(self.refuse(Code::Undeclared, &name.span, message, format!("write `let {} = …;`", name.text)));
+            let help = match name.text.as_str() {
+                // As a name it would have no weight.
+                "gravity" => "write `gravity [0, 0, -g];` for the field that all bodies weigh in".to_string(),
+                text => format!("write `let {text} = …;`"),
+            };
+            return Err(self.refuse(Code::Undeclared, &name.span, message, help));
         };
         if binding.elements.is_some() {
             let message = format!("the elements of `{}` are given their values one by one", name.text);
@@ -418,6 +423,10 @@ mod tests {
             "i: `i` is a loop variable: it keeps its value; only what is declared by `let mut` takes a new one",
         );
         refused("a = 2;", "a: `a` is not declared; write `let a = …;`");
+        refused(
+            "gravity = [0, 0, -9.81 m/s^2];",
+            "gravity: `gravity` is not declared; write `gravity [0, 0, -g];` for the field that all bodies weigh in",
+        );
         refused(
             "let mut a = 1; a = [1, 2, 3];",
             "[1, 2, 3]: `a` is a number, this is a vector; use another name for it",

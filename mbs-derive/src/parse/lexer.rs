@@ -362,7 +362,7 @@ impl<'s> Lexer<'s> {
                 start..self.at,
                 "names are made of ASCII letters, digits and `_`",
             );
-            error.help(match transliterated(word) {
+            error.help(match transliterated(&self.source[..start], word) {
                 Some(ascii) => format!("write `{ascii}`"),
                 None => "write it in Latin letters without accents".to_string(),
             });
@@ -377,24 +377,18 @@ impl<'s> Lexer<'s> {
     }
 
     fn stranger(&mut self, c: char) {
-        let span = self.at..self.at + c.len_utf8();
         if c == '\0' {
+            let span = self.at..self.at + 1;
             let error =
                 self.errors.error(Code::NotText, span, "this is not the text of a mechanism: a zero byte stands here");
             error.help("is it the right file, saved as UTF-8?");
             return self.give_up();
         }
+        let (span, help) = meant(self.source, self.at);
+        self.at = span.end;
         let shown = if c.is_control() { format!("U+{:04X}", u32::from(c)) } else { c.to_string() };
-        let error = self.errors.error(
-            Code::ForeignCharacter,
-            span,
-            format!("the character `{shown}` has no meaning in a mechanism"),
-        );
-        match meant(c) {
-            Some(ascii) => error.help(format!("write `{ascii}`")),
-            None => error.help("leave it out"),
-        };
-        self.at += c.len_utf8();
+        let message = format!("the character `{shown}` has no meaning in a mechanism");
+        self.errors.error(Code::ForeignCharacter, span, message).help(help);
     }
 }
 
@@ -563,8 +557,17 @@ mod tests {
         assert_eq!(help("q\u{307}"), ["write `dt(q)`"]);
         assert_eq!(help("θ\u{308}"), ["write `dt(dt(theta))`"]);
         assert_eq!(help("kg·m²"), ["write `*`", "write `^2`"]);
-        assert_eq!(help("½"), ["write `1/2`"]);
-        assert_eq!(help("2π"), ["write `pi`"]);
+        assert_eq!(help("½*x½ + ⅓"), ["write `0.5`", "write a decimal number", "write `(1/3)`"]);
+        assert_eq!(help("2π + Ω + 5 Ω + 3 µm"), ["write `*pi`", "write `Omega`", "write `ohm`", "write `um`"]);
+        assert_eq!(help("k: N/μm = μm"), ["write `um`", "write `mum`"]);
+        assert_eq!(
+            help("x¹² + y⁻¹ + x²⁻ + x²3"),
+            [&["write `^12`", "write `^-1`"], &["write an exponent as in `x^2`"; 2][..]].concat()
+        );
+        assert_eq!(help("9·81 + 3×2"), ["write `*`, or `.` in a decimal number", "write `*`"]);
+        assert_eq!(help("a ≤ b ≠ 30°"), ["write `<=`", "write `!=`", "write `deg`"]);
+        assert_eq!(report("10 ¼; 9.81½")[0], "0..5: the character `¼` has no meaning in a mechanism; write `10.25`");
+        assert_eq!(help("9.81½; 2⅓"), ["write a decimal number"; 2]);
         assert_eq!(help("größe"), ["write it in Latin letters without accents"]);
         assert_eq!(help("\u{1} \\ 🦀"), ["leave it out"; 3]);
         assert_eq!(help("(\0 \0"), ["is it the right file, saved as UTF-8?"]);

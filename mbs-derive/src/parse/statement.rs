@@ -127,6 +127,10 @@ impl Reader<'_> {
             let help = "the point comes first: `force at point += F;`";
             return Err(self.refuse(Code::ForceForm, self.next(), "a force at a point begins with `force at`", help));
         }
+        if let Some(meant) = self.word().filter(|_| coordinate.text == "on") {
+            let help = format!("write `force {meant} += …;`, or for a body `torque on pose += [x, y, z];`");
+            return Err(self.unexpected("`+=`", &help));
+        }
         self.adds(start)?;
         Ok(StatementKind::Force { coordinate, index, value: self.expression()? })
     }
@@ -335,6 +339,10 @@ mod tests {
 
     #[test]
     fn energies_are_added_to() {
+        refused(
+            "force on theta += tau;",
+            "theta: expected `+=`, found `theta`; write `force theta += …;`, or for a body `torque on pose += [x, y, z];`",
+        );
         refused("kinetic = x;", "=: `kinetic` is a sum that statements add to, `=` does not; write `kinetic += …;`");
         refused(
             "kinetic -= x;",
