@@ -58,6 +58,8 @@ function select({ file, start, end, line }) {
 
 // From text to model
 
+const stateAfter = (error) => (error.message === "stopped" ? "stopped" : "");
+
 async function compile() {
   const text = $("text").value;
   $("state").textContent = "deriving …";
@@ -76,13 +78,15 @@ async function compile() {
     paintOperations();
     await Promise.all([simulate(), paintTexts()]);
   } catch (error) {
-    $("state").textContent = "";
+    $("state").textContent = stateAfter(error);
     if (error.isModel) {
       paintEditor(error.diagnostics);
       showReport(error.diagnostics, error.diagnostics.length ? "" : `<p class="error">${inCode(error.message)}</p>`);
       $("results").style.opacity = 0.45;
     } else {
       showReport([], `<p class="error">${inCode(error.message)}</p>`);
+      // What is shown is of another text.
+      $("results").style.opacity = 0.45;
     }
   }
 }
@@ -194,7 +198,7 @@ async function simulate() {
     $("state").textContent = "";
     showMotion(answer);
   } catch (error) {
-    $("state").textContent = "";
+    $("state").textContent = stateAfter(error);
     $("energy").className = "error";
     $("energy").innerHTML = inCode(error.message);
   }
@@ -336,7 +340,6 @@ for (const id of ["t_end", "method", "tolerance"]) $(id).oninput = () => simulat
 $("show").onchange = () => showMotion();
 $("stop").onclick = () => {
   generator.stop();
-  $("state").textContent = "stopped";
 };
 $("language").onchange = () => paintTexts();
 $("copy").onclick = () => navigator.clipboard.writeText($("printed").textContent);

@@ -37,7 +37,8 @@ pub fn compile(file: impl AsRef<Path>) {
 }
 
 /// Generates one mechanism with default options as [`compile`] does, for a build script that handles the error itself.
-/// After an error there is no module, that of an earlier run neither.
+/// After an error there is no module in `OUT_DIR`, not even that of an earlier run; folders of [`Config::out_dir`] stay
+/// as they are.
 ///
 /// ```no_run
 /// if let Err(report) = mbs_derive::try_compile("mechanisms/cart_pole.mbs") {
@@ -204,7 +205,7 @@ impl Config {
         // A record is known by the file's path alone.
         let nothing = Sources::new(&file.to_string_lossy(), "");
         if let Some(kept) = Kept::new(&folder, &nothing, &self.options) {
-            kept.forget();
+            kept.forget(|_| true);
         }
     }
 
@@ -263,14 +264,15 @@ impl Config {
         let (Generated { module, name, .. }, sources) = (&made.generated, &made.sources);
         let from = sources.call(&(0..0)).map_or_else(|| sources.main().name.clone(), |call| call.to_string());
         let path = self.folder()?.join(module);
-        if let Some(other) = written().get(&path).filter(|other| **other != from) {
+        let is_other = |other: &&String| **other != from && !is_same(Path::new(*other), Path::new(&from));
+        if let Some(other) = written().get(&path).filter(is_other) {
             return Err(format!(
                 "error: `{name}` of {from} would be written to {module}.rs, as the mechanism of {other}\n  \
                  = help: give the mechanism another name\n"
             ));
         }
         // The mechanism may have had another name.
-        made.kept.iter().for_each(Kept::forget);
+        made.kept.iter().for_each(|kept| kept.forget(|old| old.module != *module));
         self.write_files(&made.generated, read)?;
         written().insert(path, from);
         let Some((file, text)) = made.kept.as_ref().map(|kept| kept.record(&made.generated)) else { return Ok(()) };
@@ -535,7 +537,7 @@ mod tests {
         let text = "mechanism Spring { param m: kg = 1; coord x: m; kinetic += m*dt(x)^2; }";
         ["a.mbs", "b.mbs"].iter().for_each(|name| fs::write(place(name), text).unwrap());
         let written = |name: &str| config.try_compile(place(name)).map_err(|report| report.to_string());
-        let results = [written("a.mbs"), written("b.mbs"), written("a.mbs")];
+        let results = [written("a.mbs"), written("b.mbs"), written("./a.mbs")];
         fs::remove_dir_all(&folder).unwrap();
         let (a, b) = (place("a.mbs"), place("b.mbs"));
         let twice = format!(

@@ -30,23 +30,26 @@ impl Compilers {
     /// Behind blanks there may be arguments, as in `ccache gcc`, unless all of it is a file.
     pub fn of_environment() -> Self {
         let named = ["MBS_CC", "CC"].into_iter().find_map(env::var_os);
-        let commands = match named {
+        Self::of(match named {
             None => ["cc", "gcc", "clang"].map(|name| vec![OsString::from(name)]).to_vec(),
-            Some(name) => vec![Self::words(name)],
-        };
-        Compilers { commands: commands.into_iter().filter(|command| !command.is_empty()).collect() }
+            Some(name) => vec![Self::words(&name)],
+        })
     }
 
-    fn words(command: OsString) -> Vec<OsString> {
+    fn words(command: &OsStr) -> Vec<OsString> {
         match command.to_str() {
             Some(text) if !Path::new(text).is_file() => text.split_whitespace().map(OsString::from).collect(),
-            _ => vec![command],
+            _ => vec![command.to_os_string()],
         }
     }
 
-    /// One compiler, by a path or a name that is looked for in the folders of `PATH`.
+    /// One compiler, by a path or a name that is looked for in the folders of `PATH`, and arguments behind blanks.
     pub fn named(name: impl AsRef<OsStr>) -> Self {
-        Compilers { commands: vec![vec![name.as_ref().to_os_string()]] }
+        Self::of(vec![Self::words(name.as_ref())])
+    }
+
+    fn of(commands: Vec<Vec<OsString>>) -> Self {
+        Compilers { commands: commands.into_iter().filter(|command| !command.is_empty()).collect() }
     }
 
     /// The files of those that are there.
@@ -71,14 +74,15 @@ impl Compilers {
 
     /// The library of a text, by the first compiler that makes one, unless the folder has it already.
     pub(crate) fn made(&self, text: &str, folder: &Path) -> Result<PathBuf, NotCompiled> {
-        if self.found().is_empty() {
+        let ready: Vec<_> = self.ready().collect();
+        if ready.is_empty() {
             let names =
                 self.commands.iter().map(|command| command.join(OsStr::new(" ")).to_string_lossy().into_owned());
-            return Err(NotCompiled::NoCompiler { names: names.filter(|name| !name.is_empty()).collect() });
+            return Err(NotCompiled::NoCompiler { names: names.collect() });
         }
         let folder = opened(folder).map_err(|error| NotCompiled::Folder { folder: folder.to_path_buf(), error })?;
         let mut reports = Vec::new();
-        for (compiler, arguments) in self.ready() {
+        for (compiler, arguments) in ready {
             match made(text, &compiler, arguments, &folder) {
                 Ok(library) => return Ok(library),
                 Err(report) => reports.push(report),
@@ -150,8 +154,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("a compiler");
         std::fs::write(&file, "").unwrap();
-        assert_eq!(Compilers::words("ccache  gcc -O1 ".into()), ["ccache", "gcc", "-O1"]);
-        assert_eq!(Compilers::words(file.clone().into()), [file.as_os_str()]);
-        assert!(Compilers::words("".into()).is_empty());
+        assert_eq!(Compilers::named("ccache  gcc -O1 ").commands, [["ccache", "gcc", "-O1"]]);
+        assert_eq!(Compilers::named(&file).commands, [[file.as_os_str()]]);
+        assert!(Compilers::named("").commands.is_empty());
     }
 }

@@ -74,7 +74,7 @@ impl<'py> Input<'py> {
 fn converted<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Input<'py>> {
     let py = value.py();
     let numpy = py.import(intern!(py, "numpy"))?;
-    // Ctrl+C, and that memory ends, are no faults of the argument.
+    // Ctrl+C and a lack of memory are no faults of the argument.
     let wrong = |error: PyErr| match is_of_argument(&error, py) {
         true => refused(format!("{name}: {}", error.value(py))),
         false => error,

@@ -177,7 +177,7 @@ def test_parameters_that_are_assigned_together():
     assert (own.params.m, own.params.l) == (2.0, 0.5)
     assert copy.copy(own.params) == dict(own.params) == pickle.loads(pickle.dumps(own.params))
     own = mbs.compile("mechanism A { param unit: kg = 1; coord x: m; kinetic += unit*dt(x)^2/2; }")
-    with pytest.raises(AttributeError, match="params.unit is a method"):
+    with pytest.raises(AttributeError, match="params.unit is no parameter"):
         own.params.unit = 2.0
     own.params["unit"] = 2.0
     assert own.mass_matrix([0.0]) == 2.0
@@ -205,7 +205,7 @@ def test_results_that_are_too_large():
     own = model("pendulum")
     many, promises = 1 << 19, pathlib.Path("/proc/sys/vm/overcommit_memory")
     # Linux may be told to promise all memory that is asked for.
-    if not promises.exists() or promises.read_text().strip() != "1":
+    if promises.exists() and promises.read_text().strip() != "1":
         with pytest.raises(MemoryError):
             own.forward_dynamics(np.zeros((many, 1, 1)), np.zeros((1, many, 1)), [0.0])
     with pytest.raises(ValueError, match="64"):

@@ -227,9 +227,9 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
         if (is_event || K > 0) {
             for (int i = 0; i < C; i++) v->u[M + i] = z_end[i] < 0.0 ? -1.0 : 1.0;
             fmu_flow(self, v, t, end, k[6]);
-            if (!all_finite(k[6], 2 * N))
-                return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
         }
+        if (!all_finite(k[6], 2 * N))
+            return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
         memcpy(x, end, 2 * N * sizeof(double));
         memcpy(k[0], k[6], 2 * N * sizeof(double));
         memcpy(z, z_end, Z * sizeof(double));

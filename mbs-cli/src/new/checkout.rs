@@ -26,7 +26,7 @@ impl Checkout {
     /// The one that the current folder lies in, or this program: what `cargo run` in a checkout has built.
     ///
     /// # Errors
-    /// There is none. Of a registry nothing is taken: who has these names there is not known.
+    /// There is none. Nothing is taken from a registry, where others may have these names.
     pub(super) fn found() -> Result<Self, Failure> {
         let program = std::env::current_exe().ok().and_then(|program| program.canonicalize().ok());
         let folder = std::env::current_dir().ok();

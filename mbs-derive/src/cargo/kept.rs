@@ -55,9 +55,9 @@ impl Kept {
         self.whole().filter(|(request, _)| *request == self.request.to_string()).map(|(_, made)| made)
     }
 
-    /// Removes what was made, whatever the request was: but for files that have been written by others since.
-    pub(super) fn forget(&self) {
-        let Some((_, made)) = self.whole() else { return };
+    /// Removes what was made if it is stale, whatever the request was, unless others have written over it since.
+    pub(super) fn forget(&self, is_stale: impl FnOnce(&Generated) -> bool) {
+        let Some((_, made)) = self.whole().filter(|(_, made)| is_stale(made)) else { return };
         let module = format!("{}.rs", made.module);
         let files = made.others.iter().map(|(file, _)| file).chain([&module, &self.file]);
         files.for_each(|file| drop(fs::remove_file(self.folder.join(file))));
@@ -175,10 +175,12 @@ mod tests {
         assert_eq!(ours.read(), Some(made.clone()));
         // Another mechanism's module is not ours to remove.
         write(1, b"pub struct Other;\n");
-        kept("two", &options).forget();
+        kept("two", &options).forget(|_| true);
         assert!(files.iter().all(|file| file.exists()));
         write(1, texts[1]);
-        kept("two", &frozen).forget();
+        kept("two", &frozen).forget(|made| made.module == "other");
+        assert!(files.iter().all(|file| file.exists()));
+        kept("two", &frozen).forget(|_| true);
         assert!(!files.iter().any(|file| file.exists()));
         fs::remove_dir_all(&folder).unwrap();
     }

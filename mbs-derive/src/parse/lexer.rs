@@ -559,7 +559,7 @@ mod tests {
         assert_eq!(help("kg·m²"), ["write `*`", "write `^2`"]);
         assert_eq!(help("½*x½ + ⅓"), ["write `0.5`", "write a decimal number", "write `(1/3)`"]);
         assert_eq!(help("2π + Ω + 5 Ω + 3 µm"), ["write `*pi`", "write `Omega`", "write `ohm`", "write `um`"]);
-        assert_eq!(help("k: N/μm = μm"), ["write `um`", "write `mum`"]);
+        assert_eq!(help("k: N/μm = μm; constraint c: Ω = 0"), ["write `um`", "write `mum`", "write `Omega`"]);
         assert_eq!(
             help("x¹² + y⁻¹ + x²⁻ + x²3"),
             [&["write `^12`", "write `^-1`"], &["write an exponent as in `x^2`"; 2][..]].concat()
@@ -567,7 +567,7 @@ mod tests {
         assert_eq!(help("9·81 + 3×2"), ["write `*`, or `.` in a decimal number", "write `*`"]);
         assert_eq!(help("a ≤ b ≠ 30°"), ["write `<=`", "write `!=`", "write `deg`"]);
         assert_eq!(report("10 ¼; 9.81½")[0], "0..5: the character `¼` has no meaning in a mechanism; write `10.25`");
-        assert_eq!(help("9.81½; 2⅓"), ["write a decimal number"; 2]);
+        assert_eq!(help("9.81½; 2⅓; x^2 ½"), ["write a decimal number"; 3]);
         assert_eq!(help("größe"), ["write it in Latin letters without accents"]);
         assert_eq!(help("\u{1} \\ 🦀"), ["leave it out"; 3]);
         assert_eq!(help("(\0 \0"), ["is it the right file, saved as UTF-8?"]);

@@ -46,7 +46,9 @@ pub(super) fn transliterated(before: &str, word: &str) -> Option<String> {
     let begun = before.rsplit([';', '{', '}', '=', '\n']).next().unwrap_or_default();
     let is_behind_number = begun.trim_end().ends_with(|c: char| c.is_ascii_digit());
     let unit = word.replace(['µ', 'μ'], "u").replace(['Ω', '\u{2126}'], "ohm");
-    if (is_behind_number || begun.contains(':')) && is_unit(&unit) {
+    // Behind the name of a constraint there is no unit.
+    let is_declared = begun.contains(':') && !begun.trim_start().starts_with("constraint");
+    if (is_behind_number || is_declared) && is_unit(&unit) {
         return Some(unit);
     }
     let name = named(word)?;
@@ -78,8 +80,8 @@ fn named(word: &str) -> Option<String> {
     Some(ascii)
 }
 
-/// What is to be written in place of the character at a place that is no part of the language: with which of the text
-/// around it.
+/// What to write for the character at a place, which is no part of the language, and which span of the text that
+/// replaces.
 pub(super) fn meant(source: &str, at: usize) -> (Span, String) {
     let (before, text) = source.split_at(at);
     let c = text.chars().next().unwrap_or_default();
@@ -118,7 +120,7 @@ fn number(before: &str, text: &str) -> (Span, String) {
     let begun = before.trim_end_matches(' ');
     let whole = &begun[begun.trim_end_matches(|c: char| c.is_ascii_digit()).len()..];
     let rest = if whole.is_empty() { before } else { &begun[..begun.len() - whole.len()] };
-    let is_alone = !rest.ends_with(is_part) && !behind.starts_with(is_part);
+    let is_alone = !rest.ends_with(is_part) && !rest.trim_end().ends_with('^') && !behind.starts_with(is_part);
     let fraction = FRACTIONS.iter().find(|(symbol, _)| *symbol == run && is_alone).map(|&(_, ascii)| ascii);
     match fraction {
         Some(fraction) if whole.is_empty() => (start..end, format!("write `{fraction}`")),

@@ -223,6 +223,10 @@ def _scalar(value: Any) -> Scalar:
     return value if isinstance(value, Scalar) else Scalar("number", [], [value])
 
 
+def _is_list(value: Any) -> bool:
+    return isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0)
+
+
 def _vector(value: Any) -> Vector:
     if isinstance(value, Vector):
         return value
@@ -259,7 +263,7 @@ def _combined(operator: str, left: Any, right: Any) -> Any:
             return _scalar(value)
         if isinstance(value, np.ndarray) and value.ndim == 0:
             return valued(value[()])
-        if isinstance(value, (list, tuple, np.ndarray)) and len(value) == 3:
+        if _is_list(value) and len(value) == 3:
             return _vector(value)
         return None
 
@@ -369,14 +373,14 @@ class Mechanism:
 
     def constraint(self, name: str, left: Any, right: Any, *, doc: str = "") -> None:
         """`left = right`, of numbers or of vectors."""
-        is_vector = any(isinstance(side, Vector) or np.ndim(side) > 0 for side in (left, right))
+        is_vector = any(isinstance(side, Vector) or _is_list(side) for side in (left, right))
         sides = [_vector(side) if is_vector else _scalar(side) for side in (left, right)]
         self._declare(_Value("constraint", sides, (), [name]), doc)
 
     def output(self, name: str, value: Any, *, doc: str = "") -> None:
         """A value whose velocity and Jacobian are generated, too."""
         if not isinstance(value, (Vector, Pose)):
-            value = _vector(value) if np.ndim(value) > 0 else _scalar(value)
+            value = _vector(value) if _is_list(value) else _scalar(value)
         self._declare(_Value("output", [value], (), [name]), doc)
 
     def reaction(self, name: str, pose: Pose, *, doc: str = "") -> Pose:

@@ -172,7 +172,7 @@ class Parameters(Mapping[str, Any]):
 
     def __setattr__(self, name: str, value: ArrayLike) -> None:
         if hasattr(Parameters, name):
-            raise AttributeError(f"params.{name} is a method; params[{name!r}] is the parameter")
+            raise AttributeError(f"params.{name} is no parameter; params[{name!r}] is")
         self[name] = value
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -348,7 +348,7 @@ class Model:
 
     @params.setter
     def params(self, values: Mapping[str, ArrayLike]) -> None:
-        self._params.update(values)
+        self._params.update(dict(values))
 
     def with_params(self, values: Mapping[str, ArrayLike] | None = None, /, **named: ArrayLike) -> Model:
         """The same mechanism, some parameters changed; this one keeps its own."""
@@ -393,8 +393,8 @@ class Model:
         acceleration of each prescribed motion. `method`: `dop853` and `dopri5` by error control (`rtol`, `atol`; at
         most `max_steps` steps, none of them longer than `max_step`: what a motion meets for a shorter time can be
         stepped over), `rk4`, `gauss_legendre4`, `stormer_verlet`, `semi_implicit_euler` with the fixed `step`. By
-        default `max_step` is the largest distance of `times`, without them a hundredth of the duration, and `step` a
-        thousandth. With constraints the first state and those that actions return are brought onto them, and the
+        default `max_step` is the largest distance of `times` and of the ends of `t`, without `times` a hundredth of
+        the duration, and `step` a thousandth. With constraints the first state and those that actions return are brought onto them, and the
         motion is kept on them, unless `project` is false.
 
         Raises `ValueError` for wrong arguments, `mbs.SimulationError` where there is no way on.

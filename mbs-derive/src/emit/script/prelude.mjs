@@ -78,7 +78,7 @@ function mbs_parameters(defaults, given) {
       throw new RangeError(`there is no parameter ${name}; there are ${Object.keys(defaults).join(", ")}`);
     }
     if (sizes(value) !== sizes(defaults[name])) {
-      throw new RangeError(`parameter ${name} must be like ${JSON.stringify(defaults[name])}, not ${JSON.stringify(value)}`);
+      throw new RangeError(`parameter ${name} must be like ${JSON.stringify(defaults[name])}, not ${sizes(value)}`);
     }
     if (!finite(value)) {
       throw new RangeError(`parameter ${name} must be finite, not ${value}`);
