@@ -93,6 +93,13 @@ fn converted<'py>(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Input<'py>>
     Input::seen(&array).ok_or_else(|| refused(format!("{name}: NumPy does not make an array of doubles of it")))
 }
 
+/// Whether NumPy says that a value is no array of numbers.
+fn is_of_argument(error: &PyErr, py: Python<'_>) -> bool {
+    error.is_instance_of::<PyValueError>(py)
+        || error.is_instance_of::<PyTypeError>(py)
+        || error.is_instance_of::<PyOverflowError>(py)
+}
+
 /// A new array of zeros, or NumPy's error: there is not enough memory, or there are too many axes.
 pub(crate) fn zeros<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Output<'py>> {
     let refuse = || refused(format!("an array of the shape {shape:?} is too large"));
@@ -105,13 +112,6 @@ pub(crate) fn zeros<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Output<'p
         let array = PY_ARRAY_API.PyArray_Zeros(py, axes, lengths.as_mut_ptr(), kind, 0);
         Ok(Output(Bound::from_owned_ptr_or_err(py, array)?.cast_into_unchecked()))
     }
-}
-
-/// Whether NumPy says that a value is no array of numbers.
-fn is_of_argument(error: &PyErr, py: Python<'_>) -> bool {
-    error.is_instance_of::<PyValueError>(py)
-        || error.is_instance_of::<PyTypeError>(py)
-        || error.is_instance_of::<PyOverflowError>(py)
 }
 
 /// A new array that Python has not seen yet.

@@ -119,12 +119,11 @@ impl Core {
             return Err(PyRuntimeError::new_err(format!("not compiled: {reason}")));
         }
         let functions = emit::Language::documented(&derivation);
+        let read = |file: &Source| Some((file.name.clone(), file.text.clone().ok()?));
         let texts = match written {
-            Written::Text(sources) => (0..sources.count()).map(|number| sources.file(number)).collect(),
+            Written::Text(sources) => (0..sources.count()).filter_map(|number| read(sources.file(number))).collect(),
             Written::Calls(_) => Vec::new(),
         };
-        let read = |file: &Source| Some((file.name.clone(), file.text.clone().ok()?));
-        let texts = texts.into_iter().filter_map(read).collect();
         let about = About { functions, warnings, latex, reason, proved_at: proof.states, texts };
         let parameters = &derivation.parameters;
         let defaults = parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64).collect();
@@ -183,7 +182,7 @@ impl Core {
     #[staticmethod]
     fn from_texts(py: Python<'_>, texts: Vec<(String, String)>, freeze: Vec<String>, backend: &str) -> PyResult<Self> {
         let backend = self::backend(backend)?;
-        let [(name, text), imported @ ..] = texts.as_slice() else { return Err(refused("texts: there are none")) };
+        let [(name, text), imported @ ..] = texts.as_slice() else { return Err(refused("texts: the list is empty")) };
         let read = |name: &str| match imported.iter().find(|(own, _)| own == name) {
             Some((_, text)) => Ok(text.clone().into_bytes()),
             None => Err(Unreadable::new("it is not among the texts", "compile the mechanism from its file")),
