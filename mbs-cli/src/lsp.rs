@@ -4,8 +4,8 @@
 //!   those on the disk;
 //! - [`outline`]: what a file declares and where its names stand, right or wrong; [`resolve`]: what they stand for;
 //! - [`answers`]: hover, definitions, references, rename, completion, symbols, hints; [`words`]: the language's words;
-//! - [`problems`]: what is wrong, and what may be written instead; [`deriving`]: the proof and the costs, beside the
-//!   conversation.
+//! - [`mod@problems`]: what is wrong, and what may be written instead; [`deriving`]: the proof and the costs, beside
+//!   the conversation.
 //!
 //! What is wrong in a text is said as soon as there is nothing else to answer; when nothing has been typed for a
 //! moment, the mechanism is derived and proved.
