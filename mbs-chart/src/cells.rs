@@ -1,5 +1,7 @@
 //! A grid of coloured cells over two axes, with a bar that says what the colours mean.
 
+use std::ops::Range;
+
 use crate::axis::{self, BELOW_LABEL, BELOW_TICKS, LABEL_SIZE, Scale, TICK_SIZE};
 use crate::font::Typeface;
 use crate::legend::ROW;
@@ -35,7 +37,7 @@ pub struct Cells {
 /// What is in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cell {
-    /// A value.
+    /// A value; NaN leaves the cell white.
     Value(f64),
     /// None, for the reason with this number.
     None(usize),
@@ -104,7 +106,7 @@ impl Cells {
         scene.text(Text::new(label, &self.labels[1], LABEL_SIZE, Anchor::Start));
         let bar_label = [area.right() + gap + wide + numbers, area.y - 0.5 * ROW - 3.0];
         scene.text(Text::new(bar_label, &self.value_label, LABEL_SIZE, Anchor::End));
-        let [low, high] = self.range;
+        let Range { start: low, end: high } = axis::with_length(self.range[0]..self.range[1]);
         for (row, up) in self.values.iter().zip(self.edges[1].windows(2)) {
             for (cell, right) in row.iter().zip(self.edges[0].windows(2)) {
                 let mut across = [right[0], right[1]].map(|value| x.pixel(value, area.x, area.right()));
@@ -113,6 +115,7 @@ impl Cells {
                 across[1] = (across[1] + SEAM).min(area.right());
                 along[1] = (along[1] - SEAM).max(area.y);
                 match *cell {
+                    Cell::Value(value) if value.is_nan() => {}
                     Cell::Value(value) => scene.area(corners(across, along), color((value - low) / (high - low))),
                     Cell::None(reason) => empty(scene, reason, across, along),
                 }
@@ -175,6 +178,25 @@ mod tests {
         assert_eq!((color(-1.0), color(0.0), color(1.0), color(7.0)), (COLORS[0], COLORS[0], COLORS[8], COLORS[8]));
         let lightness = |c: Color| 0.2126 * f64::from(c.0) + 0.7152 * f64::from(c.1) + 0.0722 * f64::from(c.2);
         assert!((0..100).all(|i| lightness(color(f64::from(i) / 100.0)) < lightness(color(f64::from(i + 1) / 100.0))));
+    }
+
+    #[test]
+    fn a_range_without_length_has_the_middle_of_the_colours() {
+        let cells = Cells {
+            labels: ["x", "y"].map(String::from),
+            edges: [vec![0.0, 1.0, 2.0], vec![0.0, 1.0]],
+            values: vec![vec![Cell::Value(3.0), Cell::Value(f64::NAN)]],
+            value_label: "t [s]".to_string(),
+            range: [3.0, 3.0],
+            reasons: Vec::new(),
+        };
+        let figure = Figure { title: String::new(), size: (500, 300), panels: vec![Panel::Cells(cells)] };
+        let svg = String::from_utf8(draw(&figure, Format::Svg).unwrap()).unwrap();
+        // None of the bar's steps has it.
+        let Color(red, green, blue) = color(0.5);
+        assert!(svg.contains(&format!("#{red:02x}{green:02x}{blue:02x}")), "{svg}");
+        // The bar's steps, and the one cell that has a value.
+        assert_eq!(svg.matches("Z\" fill=").count(), 64 + 1, "{svg}");
     }
 
     #[test]

@@ -88,12 +88,16 @@ pub fn numbered([one, many]: [&str; 2], lines: &[Vec<(f64, f64)>]) -> Vec<Line> 
     groups.iter().map(|group| Line::new(name(group), lines[group[0]].clone())).collect()
 }
 
-/// The lowest and the highest point, in order of `x`.
-fn extremes(bucket: &[(f64, f64)]) -> [(f64, f64); 2] {
-    let by_value = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
-    let lowest = bucket.iter().min_by(by_value).copied().unwrap_or_default();
-    let highest = bucket.iter().max_by(by_value).copied().unwrap_or_default();
-    if lowest.0 <= highest.0 { [lowest, highest] } else { [highest, lowest] }
+/// The lowest and the highest point, in order of `x`, and a gap behind them where there is one among the points.
+fn extremes(bucket: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let points = || bucket.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
+    let by_value = |a: &(f64, f64), b: &(f64, f64)| a.1.total_cmp(&b.1);
+    let mut kept: Vec<(f64, f64)> = points().min_by(by_value).into_iter().chain(points().max_by(by_value)).collect();
+    kept.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if points().count() < bucket.len() {
+        kept.push((kept.last().or(bucket.first()).map_or(f64::NAN, |point| point.0), f64::NAN));
+    }
+    kept
 }
 
 /// What of a line is within a range, with a gap where it is not.
@@ -240,6 +244,15 @@ mod tests {
         let drawn = Line::new("quiet", (0..100_000).map(quiet).collect()).points;
         assert_eq!((drawn.len(), drawn.contains(&(70_000.0, 5.0))), (4000, true));
         assert!(drawn.is_sorted_by(|a, b| a.0 <= b.0));
+    }
+
+    #[test]
+    fn gaps_hide_no_peak_where_points_are_many() {
+        let value = |i: usize| if i % 5 == 3 { f64::NAN } else { (i % 7) as f64 };
+        let drawn = Line::new("gaps", (0..9995).map(|i| (i as f64, value(i))).collect()).points;
+        assert_eq!(drawn.iter().filter(|point| point.1 == 6.0).count(), (0..9995).filter(|&i| value(i) == 6.0).count());
+        assert!(drawn.windows(2).any(|pair| pair.iter().all(|point| point.1.is_finite())));
+        assert!(drawn.iter().any(|point| point.1.is_nan()) && drawn.is_sorted_by(|a, b| a.0 <= b.0));
     }
 
     #[test]

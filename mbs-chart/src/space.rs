@@ -93,6 +93,10 @@ impl Space {
         let component = |i: usize| self.lines.iter().flat_map(|line| &line.points).map(move |point| point[i]);
         let span = |i: usize| extent(component(i)).map_or(1.0, |[low, high]| high - low);
         let longest = span(0).max(span(1)).max(span(2));
+        // What stays at a point has a box, too; of greater numbers the next one is further away than 1.
+        let greatest =
+            [0, 1, 2].into_iter().flat_map(component).filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let longest = if longest.is_normal() { longest } else { (1e-9 * greatest).max(1.0) };
         let axes = [0, 1, 2].map(|i| scale(component(i), longest));
         let view = View::new(&axes, area, [70.0, 14.0, 52.0]);
         self.draw_box(scene, &axes, &view);
@@ -160,6 +164,19 @@ mod tests {
         let axis = scale([2.0, 2.0].into_iter(), 4.0);
         assert!(axis.range.start <= 1.5 && axis.range.end >= 2.5);
         assert!(scale(std::iter::empty(), 1.0).range.start < 0.0);
+    }
+
+    #[test]
+    fn a_body_that_stays_has_a_box() {
+        use crate::{Figure, Format, Panel, draw};
+        for place in [0.0, -3.0, 1e20] {
+            let line = SpaceLine { name: "still".to_string(), points: vec![[place; 3]; 2], marks: Vec::new() };
+            let space = Space { labels: ["x", "y", "z"].map(String::from), lines: vec![line] };
+            let figure = Figure { title: String::new(), size: (500, 300), panels: vec![Panel::Space(space)] };
+            let svg = String::from_utf8(draw(&figure, Format::Svg).unwrap()).unwrap();
+            // At least two ticks on each axis, with their lines.
+            assert!(svg.matches("<text").count() >= 9 && svg.matches("<path").count() >= 9, "{place}: {svg}");
+        }
     }
 
     #[test]
