@@ -43,7 +43,7 @@ impl Dispersion {
         Ok(Dispersion { plan, design, program, digest: journal::digest(text.as_bytes()), quantities })
     }
 
-    /// A member's values in the order of these variables; `usual` are those of what the plan does not vary.
+    /// A member's values in the order of these variables; `usual` are those of what the plan neither fixes nor varies.
     pub fn in_order<const N: usize>(
         &self,
         variables: &[(&str, &str); N],
@@ -51,8 +51,10 @@ impl Dispersion {
         member: &Member,
     ) -> [f64; N] {
         let mut values = usual;
-        for (variable, value) in self.design.variables().iter().zip(&member.values) {
-            if let Some(place) = variables.iter().position(|(name, _)| *name == variable.name) {
+        let fixed = self.design.fixed().iter().map(|(name, value)| (name, value));
+        let varied = self.design.variables().iter().map(|variable| &variable.name).zip(&member.values);
+        for (given, value) in fixed.chain(varied) {
+            if let Some(place) = variables.iter().position(|(name, _)| name == given) {
                 values[place] = *value;
             }
         }

@@ -132,7 +132,12 @@ fn run_with(arguments: &Arguments, cache: &Cache, ranks: Option<&Ranks>) -> Resu
             ranks.wait();
             share.rank > 0
         }
-        None if arguments.launched => !sweep.missing(Share::WHOLE).map_err(Failure::new)?.is_empty(),
+        None if arguments.launched => match sweep.missing(Share::WHOLE) {
+            Ok(missing) => !missing.is_empty(),
+            // Another one that was last has made the table, and takes away what there was beside it.
+            Err(_) if sweep.is_written() => true,
+            Err(error) => return Err(Failure::new(error)),
+        },
         None => arguments.rank.is_some(),
     };
     if is_left_to_others {
@@ -141,8 +146,11 @@ fn run_with(arguments: &Arguments, cache: &Cache, ranks: Option<&Ranks>) -> Resu
     let mut summary = arguments.summary.then(|| Summary::of(&study.design, &study.columns));
     let outcome = sweep.merge(|quantities| summary.iter_mut().for_each(|summary| summary.push(quantities)));
     let outcome = match outcome {
-        // Two that were last make one table.
+        // Two that were last make one table: the other one is at it, or is done.
         Err(SweepError::Busy { .. }) if arguments.launched => return answer_share(share, &study, done, true),
+        Err(SweepError::Missing { .. } | SweepError::Exists { .. }) if arguments.launched && sweep.is_written() => {
+            return answer_share(share, &study, done, true);
+        }
         outcome => outcome.map_err(Failure::new)?,
     };
     if let Some((first, reason)) = &outcome.first_stopped {

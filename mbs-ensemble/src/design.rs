@@ -283,20 +283,41 @@ impl Resolver<'_> {
 
     fn fixed(&mut self, entry: &Named<Located<Amount>>) -> Option<(String, f64)> {
         let unit = self.unit(&entry.name)?;
-        Some((entry.name.value.clone(), self.number(&entry.value, &unit)?))
+        Some((entry.name.value.clone(), self.finite(&entry.value, &unit)?))
+    }
+
+    /// A value that members have: infinite is what bounds a distribution, nothing else.
+    fn finite(&mut self, amount: &Located<Amount>, unit: &str) -> Option<f64> {
+        let number = self.number(amount, unit)?;
+        if number.is_finite() {
+            return Some(number);
+        }
+        self.fault(Fault::new(amount.span.clone(), format!("a value must be finite, this is {number}")))
+    }
+
+    /// The values of a grid from one to another.
+    fn range(&mut self, [from, to]: [&Located<Amount>; 2], count: u64, unit: &str) -> Option<Values> {
+        let ends = [from, to].map(|end| self.finite(end, unit));
+        let [Some(low), Some(high)] = ends else { return None };
+        if !(high - low).is_finite() {
+            let message = format!("the distance from {low:e} to {high:e} is not finite");
+            return self.fault(Fault::new(to.span.clone(), message));
+        }
+        if count == 1 && low != high {
+            return self
+                .fault(Fault::new(to.span.clone(), "one value cannot be both ends: write a `count` of 2 or more"));
+        }
+        Some(Values::Range { from: low, to: high, count })
     }
 
     fn variable(&mut self, entry: &Named<Located<Spread>>) -> Option<Variable> {
         let unit = self.unit(&entry.name)?;
         let spread = match &entry.value.value {
             Spread::Values(values) => {
-                let numbers: Vec<Option<f64>> = values.iter().map(|value| self.number(value, &unit)).collect();
+                let numbers: Vec<Option<f64>> = values.iter().map(|value| self.finite(value, &unit)).collect();
                 Values::Listed(numbers.into_iter().collect::<Option<_>>()?)
             }
-            Spread::Range { from, to, count } => {
-                let (from, to) = (self.number(from, &unit), self.number(to, &unit));
-                Values::Range { from: from?, to: to?, count: *count }
-            }
+            Spread::Range { from, to, count } => self.range([from, to], *count, &unit)?,
             Spread::Uniform(bounds) => {
                 let [low, high] = self.numbers(bounds, &unit)?;
                 Values::Drawn(Distribution::Uniform { low, high })
@@ -482,6 +503,16 @@ mod tests {
         check(
             "design = \"chaos\"\ndegree = 31\n[vary]\nm = { values = [0, 1] }",
             "p:2:10: the degree is 30 at most, it is 31\np:4:5: the design `chaos` draws all variables, `m` is a grid\n",
+        );
+        check("[vary]\nm = { values = [1, \"nan\"] }", "p:2:20: a value must be finite, this is NaN\n");
+        check("[fixed]\nm = \"-inf kg\"", "p:2:5: a value must be finite, this is -inf\n");
+        check(
+            "[vary]\nm = { from = -1e308, to = 1e308, count = 3 }",
+            "p:2:27: the distance from -1e308 to 1e308 is not finite\n",
+        );
+        check(
+            "[vary]\nm = { from = 1, to = 2, count = 1 }",
+            "p:2:22: one value cannot be both ends: write a `count` of 2 or more\n",
         );
         check("[fixed]\nm = 1\n[vary]\nm = { uniform = [0, 1] }", "p:2:1: `m` is fixed here and varies in [vary]\n");
         check(

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crate::design::{Design, Member};
 use crate::error::SweepError;
 use crate::journal::{Folder, Identity, Journal, Row};
-use crate::table::{Column, Format, columns, sink};
+use crate::table::{Column, Format, columns, is_made_of, sink};
 
 /// What makes a member's quantities of its values: a motion, and what is taken of it.
 ///
@@ -141,16 +141,20 @@ impl Sweep<'_> {
     pub fn is_finished(&self) -> Result<bool, SweepError> {
         let folder = self.folder();
         match (self.table.exists(), folder.exists()) {
-            (true, false) => Err(SweepError::Exists { path: self.table.clone() }),
             // It was killed between the last two steps.
-            (true, true) => {
-                folder.open(&self.identity).map_err(|_| SweepError::Exists { path: self.table.clone() })?;
+            (true, true) if self.is_written() && folder.open(&self.identity).is_ok() => {
                 folder.remove()?;
                 Ok(true)
             }
+            (true, _) => Err(SweepError::Exists { path: self.table.clone() }),
             (false, true) => folder.open(&self.identity).map(|()| false),
             (false, false) => Ok(false),
         }
+    }
+
+    /// Whether the table is there, made of the same, whatever stands beside it.
+    pub fn is_written(&self) -> bool {
+        is_made_of(&self.table, &self.identity)
     }
 
     /// The members of a share that there is.
@@ -377,8 +381,11 @@ mod tests {
             }
             sweep.merge(|_| ()).unwrap();
             assert_eq!(fs::read_to_string(&sweep.table).unwrap(), expected);
-            assert!(!sweep.parts().exists());
+            assert!(!sweep.parts().exists() && sweep.is_written());
             assert!(matches!(sweep.is_finished(), Err(SweepError::Exists { .. })));
+            // As one leaves it that is killed before the folder is gone.
+            sweep.folder().open(&sweep.identity).unwrap();
+            assert!(sweep.is_finished().unwrap() && !sweep.parts().exists());
         }
     }
 
@@ -444,11 +451,20 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut sweep = sweep(&design, folder.path());
         sweep.run(&sum, Share { rank: 0, ranks: 2 }, 1, &|_| ()).unwrap();
+        // Another's table ends nothing that is begun.
+        let is_refused = |sweep: &Sweep<'_>| matches!(sweep.is_finished(), Err(SweepError::Exists { .. }));
+        for text in ["mine", "# plan: 2\nmember,x,y,sum,stopped\n"] {
+            fs::write(&sweep.table, text).unwrap();
+            assert!(is_refused(&sweep));
+        }
+        fs::remove_file(&sweep.table).unwrap();
+        let half = sweep.missing(Share::WHOLE).unwrap();
+        assert_eq!(half.iter().map(|range| range.end - range.start).sum::<u64>(), sweep.design.members() / 2);
         sweep.identity = Identity::new([("plan", "another".to_string())]);
         assert!(matches!(sweep.is_finished(), Err(SweepError::Changed { .. })));
         assert!(matches!(sweep.run(&sum, Share::WHOLE, 1, &|_| ()), Err(SweepError::Changed { .. })));
         fs::write(&sweep.table, "mine").unwrap();
-        assert!(matches!(sweep.is_finished(), Err(SweepError::Exists { .. })));
+        assert!(is_refused(&sweep));
         assert_eq!(fs::read_to_string(&sweep.table).unwrap(), "mine");
     }
 }

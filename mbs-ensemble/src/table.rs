@@ -12,6 +12,7 @@ use crate::journal::{Identity, Row};
 mod parquet;
 mod reading;
 
+pub(crate) use reading::is_made_of;
 pub use reading::{Numbers, Table};
 
 /// A column with its unit.

@@ -38,7 +38,23 @@ impl Vocabulary for Variables {
     }
 
     fn number(&self, text: &str, unit: &str) -> Result<f64, String> {
-        let number = text.strip_suffix(unit).unwrap_or(text).trim();
-        number.parse().map_err(|_| format!("write a number in {unit}"))
+        // Of plain numbers `1` is no suffix.
+        let number = text.strip_suffix(unit).filter(|_| unit != "1").unwrap_or(text);
+        number.trim().parse().map_err(|_| format!("write a number in {unit}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_to_their_last_digit() {
+        let variables = Variables::default();
+        let number = |text, unit| variables.number(text, unit);
+        assert_eq!(["0.21", "21", "1", " 1e1 "].map(|text| number(text, "1")), [Ok(0.21), Ok(21.0), Ok(1.0), Ok(10.0)]);
+        assert_eq!(["2.1 m", "21m", "0.1"].map(|text| number(text, "m")), [Ok(2.1), Ok(21.0), Ok(0.1)]);
+        assert_eq!(number("2 kg", "m"), Err("write a number in m".to_string()));
+        assert!(number("2 kg", "1").is_err() && number("", "1").is_err());
     }
 }

@@ -9,7 +9,7 @@ use parquet::basic::{ConvertedType, Repetition, Type as Physical};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
-use parquet::file::metadata::KeyValue;
+use parquet::file::metadata::{FileMetaData, KeyValue};
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
@@ -107,11 +107,22 @@ pub(super) fn read(path: &Path) -> Result<Table, SweepError> {
     read_from(file).map_err(|error| SweepError::table(path, &error.to_string()))
 }
 
+/// Units and provenance of a file.
+pub(super) fn metadata_of(path: &Path) -> Result<Vec<(String, String)>, SweepError> {
+    let file = File::open(path).map_err(|error| SweepError::io("read", path, error))?;
+    let reader = SerializedFileReader::new(file).map_err(|error| SweepError::table(path, &error.to_string()))?;
+    Ok(pairs(reader.metadata().file_metadata()))
+}
+
+fn pairs(about: &FileMetaData) -> Vec<(String, String)> {
+    let pairs = about.key_value_metadata().into_iter().flatten();
+    pairs.filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?))).collect()
+}
+
 fn read_from(file: File) -> Result<Table, ParquetError> {
     let reader = SerializedFileReader::new(file)?;
     let about = reader.metadata().file_metadata();
-    let pairs = about.key_value_metadata().into_iter().flatten();
-    let pairs = pairs.filter_map(|pair| Some((pair.key.clone(), pair.value.clone()?))).collect();
+    let pairs = pairs(about);
     let names: Vec<String> = about.schema_descr().columns().iter().map(|column| column.name().to_string()).collect();
     let mut values = vec![Vec::new(); names.len()];
     let mut stopped = 0;

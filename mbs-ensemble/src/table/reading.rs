@@ -53,8 +53,7 @@ impl Table {
     /// # Errors
     /// The file cannot be read, or is no table with a column of numbers.
     pub fn read(path: &Path) -> Result<Table, SweepError> {
-        let is_parquet = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"));
-        let table = match is_parquet {
+        let table = match is_parquet(path) {
             #[cfg(feature = "parquet")]
             true => super::parquet::read(path)?,
             #[cfg(not(feature = "parquet"))]
@@ -74,9 +73,7 @@ impl Table {
 
     /// The names of what it was not made of: `the plan`, for example.
     pub fn differences(&self, identity: &Identity) -> Vec<String> {
-        let has = |name: &str, digest: &str| self.metadata.iter().any(|(key, value)| key == name && value == digest);
-        let missing = identity.parts().filter(|(name, digest)| !has(name, digest));
-        missing.map(|(name, _)| format!("the {name}")).collect()
+        differences(&self.metadata, identity)
     }
 
     /// Of columns that were read, those that count.
@@ -101,6 +98,42 @@ impl Table {
     }
 }
 
+fn is_parquet(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("parquet"))
+}
+
+/// Whether a file is a table that was made of this; none of its rows is read.
+pub(crate) fn is_made_of(path: &Path, identity: &Identity) -> bool {
+    let metadata = match is_parquet(path) {
+        #[cfg(feature = "parquet")]
+        true => super::parquet::metadata_of(path),
+        #[cfg(not(feature = "parquet"))]
+        true => return false,
+        false => csv_metadata(path),
+    };
+    metadata.is_ok_and(|metadata| differences(&metadata, identity).is_empty())
+}
+
+/// The names of what a table with these units and provenance was not made of.
+fn differences(metadata: &[(String, String)], identity: &Identity) -> Vec<String> {
+    let has = |name: &str, digest: &str| metadata.iter().any(|(key, value)| key == name && value == digest);
+    let missing = identity.parts().filter(|(name, digest)| !has(name, digest));
+    missing.map(|(name, _)| format!("the {name}")).collect()
+}
+
+/// The pairs in the comments above the header.
+fn csv_metadata(path: &Path) -> Result<Vec<(String, String)>, SweepError> {
+    let failed = |error| SweepError::io("read", path, error);
+    let mut metadata = Vec::new();
+    for line in BufReader::new(File::open(path).map_err(failed)?).lines() {
+        let line = line.map_err(failed)?;
+        let Some(comment) = line.strip_prefix('#') else { break };
+        let pair = comment.trim().split_once(": ");
+        metadata.extend(pair.map(|(key, value)| (key.to_string(), value.to_string())));
+    }
+    Ok(metadata)
+}
+
 fn csv(path: &Path) -> Result<Table, SweepError> {
     let failed = |error| SweepError::io("read", path, error);
     let refused = |error: csv::Error| match error.into_kind() {
@@ -111,13 +144,7 @@ fn csv(path: &Path) -> Result<Table, SweepError> {
         }
         _ => SweepError::table(path, "it is no table of commas and lines"),
     };
-    let mut metadata = Vec::new();
-    for line in BufReader::new(File::open(path).map_err(failed)?).lines() {
-        let line = line.map_err(failed)?;
-        let Some(comment) = line.strip_prefix('#') else { break };
-        let pair = comment.trim().split_once(": ");
-        metadata.extend(pair.map(|(key, value)| (key.to_string(), value.to_string())));
-    }
+    let metadata = csv_metadata(path)?;
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(refused)?;
     let names: Vec<String> = reader.headers().map_err(refused)?.iter().map(str::to_string).collect();
     let place = names.iter().position(|name| name == STOPPED);
