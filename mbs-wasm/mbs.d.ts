@@ -38,12 +38,15 @@ export interface Simulation extends Omit<State, "prescribed"> {
   t_end: number;
   /** Seconds between rows, and the step of methods without error control; a thousandth of the time if not given. */
   dt?: number;
+  /** The longest step of dop853 and dopri5, which step over what comes and goes in less time; `dt` if not given. */
+  max_step?: number;
   method?: "dop853" | "dopri5" | "rk4" | "gauss-legendre4" | "stormer-verlet" | "semi-implicit-euler";
   /** Relative tolerance of dop853 and dopri5, 1e-10 if not given. */
   tolerance?: number;
   /** Absolute tolerance, a hundredth of the relative one if not given. */
   atol?: number;
-  inputs?: Numbers | Record<string, Signal> | ((t: number, q: Float64Array, qd: Float64Array) => Vector);
+  /** In order, or by name, of an array all its components, too; or all inputs as one function. Zero if not given. */
+  inputs?: Numbers | Record<string, Signal | Numbers | readonly Numbers[]> | ((t: number, q: Float64Array, qd: Float64Array) => Vector);
   prescribed?: Record<string, number | Numbers | ((t: number) => Numbers)>;
   events?: readonly Event[];
   /** Whether states are projected onto constraints after each step; true if not given. */

@@ -309,7 +309,7 @@ class Model {
    * @param {object} options see `mbs.d.ts`
    */
   simulate(options = {}) {
-    const own = ["t_end", "dt", "method", "tolerance", "atol", "inputs", "events", "project", "redundant", "hold"];
+    const own = ["t_end", "dt", "method", "tolerance", "atol", "inputs", "events", "project", "redundant", "hold", "max_step"];
     const { inputs, u, prescribed, ...state } = known("simulate", options, [...STATE, ...own]);
     if (inputs !== undefined && u !== undefined) throw new InputError("inputs: they are given twice, as `inputs` and `u`");
     const signals = this.#signals(inputs ?? u, prescribed);
@@ -365,8 +365,7 @@ class Model {
       return Array.from(three, (x) => finite(`prescribed.${name}`, x));
     };
     const whole = typeof inputs === "function";
-    const each = whole || inputs === undefined || isList(inputs) ? {} : named("inputs", inputs, names, this.inputs);
-    const changing = names.map((name) => signal(`inputs.${name}`, each[name]));
+    const each = whole ? [...names].fill(0) : signals("inputs", inputs, names, this.inputs);
     const motions = this.prescribedNames.map((name) => {
       const value = named("prescribed", prescribed ?? {}, this.prescribedNames, [])[name];
       return typeof value === "function" ? (t) => rates(name, value(t)) : () => rates(name, value ?? 0);
@@ -375,11 +374,11 @@ class Model {
     const drive = (t, q, qd, count) => {
       let u = [];
       if (count > 0 && whole) u = vector("inputs", inputs(t, q, qd), names, this.inputs);
-      else if (count > 0) u = changing.map((value, i) => finite(`inputs.${names[i]}`, value(t, q, qd)));
+      else if (count > 0) u = each.map((one, i) => (typeof one === "function" ? finite(`inputs.${names[i]}`, one(t, q, qd)) : one));
       return { u, prescribed: motions.flatMap((motion) => motion(t)) };
     };
-    const drives = whole || moves || Object.values(each).some((value) => typeof value !== "number");
-    const u = drives ? new Float64Array(names.length) : vector("inputs", inputs ?? [...names].fill(0), names, this.inputs);
+    const drives = whole || moves || each.some((one) => typeof one === "function");
+    const u = drives ? new Float64Array(names.length) : Float64Array.from(each);
     const start = drives ? [] : this.prescribedNames.map((name, i) => [name, motions[i](0)]);
     return { u, prescribed: Object.fromEntries(start), drive: drives ? drive : null };
   }
@@ -390,6 +389,7 @@ class Model {
     finite("t_end", t_end);
     if (!Number.isFinite(t_end - t)) throw new InputError(`t_end: from ${t} to ${t_end} is too long a time to be a number`);
     const { dt = t_end > t ? (t_end - t) / 1000 : 1 } = options;
+    const { max_step = dt } = options;
     const choice = (name, value, choices) => {
       if (!choices.includes(value)) throw new InputError(`${name}: it is one of ${choices.join(", ")}, found ${kind(value)}`);
       return value;
@@ -398,6 +398,7 @@ class Model {
     return {
       t_end,
       dt: finite("dt", dt),
+      max_step: finite("max_step", max_step),
       method: choice("method", method, METHODS),
       rtol: finite("tolerance", tolerance),
       atol: finite("atol", atol),
@@ -520,11 +521,32 @@ function vector(key, value, names, variables, rest = undefined) {
   return numbers;
 }
 
+/** Inputs over time, one by one: each a number, or a function of `(t, q, qd)`; zero where none is given. */
+function signals(key, value, names, variables) {
+  if (isList(value)) return Array.from(vector(key, value, names, variables));
+  const found = [...names].fill(undefined);
+  for (const [name, part] of Object.entries(named(key, value ?? {}, names, variables))) {
+    if (part === undefined) continue;
+    const array = variables.find((variable) => variable.name === name && variable.lengths.length > 0);
+    if (array !== undefined && typeof part === "function") {
+      throw new InputError(`${key}.${name}: it must be numbers; functions are given for one component, or for all inputs at once`);
+    }
+    const own = array === undefined
+      ? [signal(`${key}.${name}`, part)]
+      : Array.from(vector(`${key}.${name}`, isList(part) ? part : [part], array.components, []));
+    for (const [i, one] of own.entries()) {
+      const at = (array?.first ?? names.indexOf(name)) + i;
+      if (found[at] !== undefined) throw new InputError(`${key}: \`${names[at]}\` is given twice`);
+      found[at] = one;
+    }
+  }
+  return found.map((one) => one ?? 0);
+}
+
 /** An input over time: a number, a table `[times, values]`, straight in between, or a function of `(t, q, qd)`. */
 function signal(key, value) {
-  if (value === undefined) return () => 0;
   if (typeof value === "function") return value;
-  if (!isList(value)) return () => finite(key, value);
+  if (!isList(value)) return finite(key, value);
   const [times, values] = value;
   const sound = value.length === 2 && isList(times) && isList(values) && times.length === values.length && times.length > 1;
   if (!sound) throw new InputError(`${key}: a table is [times, values], each of the same two numbers or more`);

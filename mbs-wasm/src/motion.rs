@@ -22,6 +22,8 @@ pub struct Settings {
     pub t_end: f64,
     /// Seconds between rows, and the step of methods without error control.
     pub dt: f64,
+    /// The longest step of methods with error control, which step over what comes and goes in less time.
+    pub max_step: f64,
     /// The method.
     pub method: Method,
     /// Relative tolerance of methods with error control.
@@ -107,7 +109,7 @@ fn times(start: f64, settings: &Settings, width: usize) -> Result<Vec<f64>, Fail
     if !(end >= start && (end - start).is_finite()) {
         return Err(Failure::of_input(format!("t_end: {end:?} must not lie before the start, {start:?}")));
     }
-    for (name, value) in [("dt", step), ("tolerance", settings.rtol), ("atol", settings.atol)] {
+    for (name, value) in [("dt", step), ("max_step", settings.max_step), ("tolerance", settings.rtol), ("atol", settings.atol)] {
         if !is_positive(value) {
             return Err(Failure::of_input(format!("{name}: it must be positive and finite, found {value:?}")));
         }
@@ -190,7 +192,11 @@ impl Run<'_> {
         rows: &mut Vec<f64>,
         happened: &RefCell<Vec<(usize, f64)>>,
     ) -> Outcome {
-        let &Settings { rtol, atol, dt, .. } = self.settings;
+        let &Settings { rtol, atol, dt, max_step, t_end, .. } = self.settings;
+        // Far from zero, rows may be closer than the shortest step that is tried.
+        let longest = max_step.max(32.0 * f64::EPSILON * times[0].abs().max(t_end.abs()));
+        // A step for each row at least.
+        let steps = 1_000_000 + times.len();
         macro_rules! by {
             ($method:expr) => {{
                 let method = $method;
@@ -203,8 +209,8 @@ impl Run<'_> {
             }};
         }
         match self.settings.method {
-            Method::Dop853 => by!(Dop853::new(rtol, atol)),
-            Method::Dopri5 => by!(Dopri5::new(rtol, atol)),
+            Method::Dop853 => by!(Dop853::new(rtol, atol).with_max_step(longest).with_max_steps(steps)),
+            Method::Dopri5 => by!(Dopri5::new(rtol, atol).with_max_step(longest).with_max_steps(steps)),
             Method::Rk4 => by!(Rk4::new(dt)),
             Method::GaussLegendre4 => by!(GaussLegendre4::new(dt)),
             Method::StormerVerlet => by!(StormerVerlet::new(dt)),

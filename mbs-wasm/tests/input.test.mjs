@@ -135,6 +135,7 @@ test("motions", () => {
   assert.throws(call({ dt: 0 }), isInput(/^dt: .* found 0/));
   assert.throws(call({ dt: 1e-300 }), isInput(/^dt/));
   assert.throws(call({ dt: 1e-7 }), isInput(/rows/));
+  assert.throws(call({ max_step: 0 }), isInput(/^max_step: .* found 0/));
   assert.throws(call({ tolerance: -1 }), isInput(/^tolerance/));
   assert.throws(call({ method: "euler" }), isInput(/^method: it is one of dop853/));
   assert.throws(call({ events: [{ of: "y" }] }), isInput(/^events\[0\]\.of: there is no `y`; there are t, x/));

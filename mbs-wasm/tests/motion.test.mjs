@@ -122,6 +122,31 @@ test("inputs are numbers, tables, or functions", () => {
   near(end((t, q) => [ball.evaluate("gravity", { q, t })[0] + 2 * (1 - q[0])]), 1 - Math.cos(2));
 });
 
+test("inputs of an array, and beside what is prescribed", () => {
+  const pair = mbs.compile("mechanism Pair { const m: kg = 2; const k: N/m = 1; coord x[2]: m; input f[2]: N; prescribed s: m; \
+    for i in 0..2 { kinetic += m*dt(x[i])^2/2; force x[i] += f[i] + k*s; } }");
+  const rest = (t) => [0 * t, 0, 0];
+  for (const inputs of [[4, 8], { f: [4, 8] }, { f_0: 4, f_1: () => 8 }, { f_1: 8, f_0: [[0, 1], [4, 4]] }, () => [4, 8]]) {
+    for (const prescribed of [{}, { s: rest }]) {
+      const { columns } = pair.simulate({ q: [0, 0], t_end: 1, inputs, prescribed });
+      [columns.x_0, columns.x_1].forEach((x, i) => assert.ok(Math.abs(x.at(-1) - (i + 1)) < 1e-9, `${x.at(-1)}`));
+    }
+  }
+  const refused = (inputs) => assert.throws(() => pair.simulate({ q: [0, 0], t_end: 1, inputs, prescribed: { s: rest } }), { name: "InputError" });
+  [[4], [4, 8, 1], { f: [4] }, { f: () => [4, 8] }, { f: [4, 8], f_1: 8 }, { f: [4, NaN] }].forEach(refused);
+});
+
+test("what comes and goes between two steps is not stepped over", () => {
+  const ball = mbs.compile(BALL);
+  const inputs = { push: (t) => 20 + (t > 5 && t < 6.5 ? 2 : 0) };
+  for (const method of ["dop853", "dopri5"]) {
+    const end = (options) => ball.simulate({ q: [0], t_end: 10, inputs, method, ...options }).columns.z.at(-1);
+    // z̈ = 1 for 1.5 s, then 3.5 s at 1.5 m/s.
+    assert.ok(Math.abs(end({}) - 6.375) < 1e-6, `${end({})}`);
+    assert.ok(Math.abs(end({ dt: 10, max_step: 0.1 }) - 6.375) < 1e-6);
+  }
+});
+
 test("prescribed motions", () => {
   const shaken = mbs.compile("mechanism Shaken { param m: kg = 1; param k: N/m = 4; coord x: m; prescribed s: m; \
     kinetic += m*dt(x)^2/2; potential += k*(x - s)^2/2; }");
