@@ -116,6 +116,19 @@ fn lanes_of_single_precision() {
     rk4_is_itself::<f32x16>();
 }
 
+#[cfg(feature = "wide")]
+#[test]
+fn equal_members_are_equal_in_any_blocks() {
+    let starts = || (0..5).map(|i| State::new([f64::from(i)], [0.0]));
+    let mut ensemble = Ensemble::<wide::f64x4, 1>::new(starts());
+    let outcomes = ensemble.integrate(&Dop853::new(1e-9, 1e-9), 0.0, 1.0, |_| {
+        |_, q: &[wide::f64x4; 1], _: &_, qdd: &mut _| *qdd = [-q[0]]
+    });
+    assert!(outcomes.iter().all(Result::is_ok));
+    assert_eq!(ensemble, Ensemble::new(ensemble.states()));
+    assert_ne!(ensemble, Ensemble::new(starts()));
+}
+
 /// A singular place, met within a step at different stages: nobody else is disturbed.
 #[test]
 fn a_member_that_ends_early_leaves_the_others_alone() {
