@@ -158,7 +158,7 @@ fn packed(
     let own = [header.as_str(), &model_alone, &description_alone, wrapper];
     let all = own.into_iter().chain(SHARED.map(|(_, text)| text));
     let token = token(Digest::of(all.map(str::as_bytes)));
-    let mut texts = vec![(format!("{}.h", interface.prefix), header), ("model.h".to_string(), model.written(&token))];
+    let mut texts = vec![(model.header(), header), ("model.h".to_string(), model.written(&token))];
     texts.extend(SHARED.map(|(name, text)| (name.to_string(), text.to_string())));
     texts.push((main.to_string(), wrapper.to_string()));
     if arguments.fmi == Fmi::Three {

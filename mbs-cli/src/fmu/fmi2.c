@@ -108,8 +108,10 @@ EXPORT(fmi2Status, fmi2SetupExperiment)(
     CALLED("fmi2SetupExperiment", INSTANTIATED);
     if (has_stop && !(stop_time >= start_time))
         return (fmi2Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    const fmu_values before = a->v;
     int status = time_set(a, function, start_time);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
+    if (status != GOOD) a->v = before;
     return (fmi2Status)status;
 }
 

@@ -136,10 +136,12 @@ EXPORT(fmi3Status, fmi3EnterInitializationMode)(
     CALLED("fmi3EnterInitializationMode", INSTANTIATED);
     if (has_stop && !(stop_time >= start_time))
         return (fmi3Status)fmu_refuse(a, FAILED, "%s: the stop time lies before the start time", function);
+    const fmu_values before = a->v;
     int status = parameters_checked(a, function);
     if (status == GOOD && has_tolerance) status = tolerance_set(a, function, tolerance);
     if (status == GOOD) status = time_set(a, function, start_time);
     if (status == GOOD) a->v.mode = INITIALIZATION;
+    if (status != GOOD) a->v = before;
     return (fmi3Status)status;
 }
 

@@ -173,6 +173,9 @@ static double fmu_shortened(
     return behind;
 }
 
+/* After so many events within a millionth of a communication step it is refused. */
+enum { CROWD = 1000 };
+
 /* Integrates from the values to the end time; nothing has changed where that does not succeed. */
 static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
 {
@@ -191,9 +194,14 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
     if (!all_finite(k[0], 2 * N))
         return fmu_refuse(a, DISCARDED, "%s: accelerations are not finite at t = %.17g", function, t);
     fmu_sides(self, v, t, x, z);
+    double crowd_from = t;
+    int crowded = 0;
     for (long step = 0; t < t_end; step++) {
         if (step == 1000000L)
-            return fmu_refuse(a, DISCARDED, "%s: a million steps do not reach the end time", function);
+            return fmu_refuse(
+                a, DISCARDED,
+                "%s: a million steps do not lead from t = %.17g to the end time, as of friction that jumps at rest",
+                function, t);
         /* The last step is no crumb. */
         const double left = t_end - t;
         const int is_last = h >= left * (1.0 - 1e-9);
@@ -216,6 +224,14 @@ static int fmu_integrated(fmu_instance *a, const char *function, double t_end)
         const double made = fmu_shortened(self, v, t, try_h, places, least, x, z, k, end, z_end);
         const int is_event = !same_sides(z, z_end);
         t = made < try_h || !is_last ? t + made : t_end;
+        if (is_event && t - crowd_from > 1e-6 * whole) {
+            crowd_from = t;
+            crowded = 0;
+        }
+        if (is_event && ++crowded == CROWD)
+            return fmu_refuse(
+                a, DISCARDED, "%s: a condition changes without end at t = %.17g, as of friction that jumps at rest",
+                function, t);
 #if MBS_ROWS > 0
         double u[M + C + 1], s[S + 1];
         inputs_after(v, t - v->t, u, s);

@@ -12,6 +12,9 @@ static int state_saved(const fmu_instance *a, const char *function, void **state
 static int state_restored(fmu_instance *a, const char *function, const void *state)
 {
     if (state == NULL) return fmu_refuse(a, FAILED, "%s: a null pointer", function);
+    if (((const fmu_values *)state)->is_co_simulation != a->v.is_co_simulation) {
+        return fmu_refuse(a, FAILED, "%s: the state is of the other kind of FMU than this instance", function);
+    }
     memcpy(&a->v, state, sizeof(fmu_values));
     a->has = 0;
     return GOOD;

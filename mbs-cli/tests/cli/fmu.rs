@@ -282,6 +282,41 @@ fn conditions_that_change_and_change_back_within_a_step_are_seen() {
     }
 }
 
+/// A condition that changes without end: friction that jumps where a mass comes to rest on its own.
+#[test]
+fn friction_that_jumps_at_rest_is_refused_with_its_reason() {
+    // It comes to rest at 0.5 s and at 2 s; driven from one side, it goes back more slowly than it came.
+    for (drive, end, rest) in [("0 N", "1", 0.5), ("1.5 N", "3", 2.0)] {
+        let workshop = Workshop::new();
+        let force = format!("force x += {drive} - (2 N)*signum(dt(x));");
+        workshop.write("a.mbs", format!("mechanism Sledge {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; {force} }}"));
+        workshop.good(&["fmu", "a.mbs", "--sources-only", "--state", "{\"q\": [0], \"qd\": [1]}", "--out", "a.fmu"]);
+        let Some(folder) = sources(&workshop, "a.fmu") else { return };
+        compiled(&folder, "both.c");
+        let Outcome { code, stdout, .. } = run(&folder, &["0", end, "0.1", "1"]);
+        let (_, said) = stdout.split_once("fmi3DoStep: ").expect(&stdout);
+        let (said, t) = said.split_once(", as of friction").unwrap().0.split_once(" t = ").expect(&stdout);
+        let t: f64 = t.split(' ').next().unwrap().parse().unwrap();
+        assert!(code != 0 && said.starts_with("a ") && (t - rest).abs() < 1e-3, "{stdout}");
+    }
+}
+
+/// Files of the FMU's own have names that mechanisms may have, too.
+#[test]
+fn mechanisms_are_called_as_they_like() {
+    for name in ["Model", "Instance", "States", "Constraints", "Integration", "Jacobian", "Math", "Stdio"] {
+        let workshop = Workshop::new();
+        workshop.write("a.mbs", format!("mechanism {name} {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; }}"));
+        workshop.good(&["fmu", "a.mbs", "--sources-only", "--state", "{\"q\": [0], \"qd\": [1]}", "--out", "a.fmu"]);
+        let Some(folder) = sources(&workshop, "a.fmu") else { return };
+        compiled(&folder, "both.c");
+        let Outcome { code, stdout, .. } = run(&folder, &["0", "1", "0.5", "1"]);
+        assert_eq!(code, 0, "{name}: {stdout}");
+        let last: Vec<f64> = stdout.lines().last().unwrap().split(',').map(|x| x.parse().unwrap()).collect();
+        assert!((last[1] - 1.0).abs() < 1e-9, "{name}: {stdout}");
+    }
+}
+
 /// A row that depends on the others: co-simulation stays on them, the pendulum that all cranks are, and model exchange,
 /// whose integrator leaves them, is refused.
 #[test]

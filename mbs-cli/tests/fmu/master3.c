@@ -147,6 +147,7 @@ static void refused(void)
     CHECK(strstr(last_message, "`m` must not be negative") != NULL);
     CHECK(set(a, MASS, 3.0) == fmi3OK && fmi3EnterInitializationMode(a, false, 0.0, 0.0, true, -1.0) == fmi3Error);
     CHECK(fmi3EnterInitializationMode(a, true, NAN, 0.0, false, 0.0) == fmi3Error);
+    CHECK(fmi3EnterInitializationMode(a, true, 1e-3, NAN, false, 0.0) == fmi3Error && ((fmu_instance *)a)->v.tolerance == MBS_TOLERANCE);
     begin(a);
     CHECK(set(a, THETA, 0.0) == fmi3Error && step(a, 0.5, 0.1) == fmi3Error && step(a, 0.0, 0.0) == fmi3Error);
     CHECK(step(a, 0.0, NAN) == fmi3Error && step(a, 0.0, -1.0) == fmi3Error && get(a, THETA) == 1.0);
@@ -203,6 +204,11 @@ static void states(void)
     bytes[0] ^= 1;
     memset(bytes + sizeof(MBS_TOKEN), 0xff, sizeof(double)); /* NaN */
     CHECK(fmi3DeserializeFMUState(b, bytes, size, &read) == fmi3Error);
+    fmi3Instance other = exchanging();
+    CHECK(fmi3SetFMUState(other, state) == fmi3Error && fmi3Reset(other) == fmi3OK);
+    begin(other);
+    CHECK(step(other, 0.0, 0.1) == fmi3Error);
+    fmi3FreeInstance(other);
     CHECK(fmi3SetFMUState(b, NULL) == fmi3Error && fmi3FreeFMUState(a, &state) == fmi3OK && state == NULL);
     CHECK(fmi3FreeFMUState(b, &read) == fmi3OK && fmi3FreeFMUState(b, &read) == fmi3OK);
     free(bytes);
