@@ -270,3 +270,33 @@ end
         assert_eq!(run(program, arguments, folder.path()), "1 2 3 3\n", "{program}");
     }
 }
+
+/// A file that is called as a function that it calls, parameters in columns, and prescribed motions of another shape.
+#[test]
+fn octave_has_its_own_names_and_shapes() {
+    let (language, program, shown, arguments) = RUNS[2];
+    if !has(program, shown) {
+        return;
+    }
+    let text = "mechanism Double { param m[2]: kg = [1, 2]; coord x: m; prescribed s: m; prescribed r: m; \
+                kinetic += (m[0] + 2*m[1])*dt(x + s)^2/2 + m[1]*dt(r)*dt(x); }";
+    let main = "row = m_double(struct('m', [3, 4]));
+column = m_double(struct('m', [3; 4]));
+given = [0, 0, 5; 0, 0, 7];
+printf('%g %g\\n', row.forward_dynamics(given, 0, 0), column.forward_dynamics(given, 0, 0));
+for wrong = {given', given(:), given(1, :), reshape(given, 1, 6)}
+  try
+    row.forward_dynamics(wrong{1}, 0, 0);
+    printf('not refused\\n');
+  catch failure
+    assert(failure.identifier, 'mbs:size');
+  end
+end
+";
+    let folder = tempfile::tempdir().expect("a folder");
+    place(folder.path(), language, &Case::new("double", &Sources::new("double.mbs", text)));
+    std::fs::write(folder.path().join("main.m"), main).expect("written");
+    // (m₀ + 2 m₁) (ẍ + s̈) + m₁ r̈ = 0
+    let expected = -5.0 - 4.0 * 7.0 / 11.0;
+    assert_eq!(run(program, arguments, folder.path()), format!("{expected:.5} {expected:.5}\n"));
+}

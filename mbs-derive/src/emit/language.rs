@@ -77,7 +77,7 @@ impl Language {
         let stem = snake_case(&derivation.name);
         let stem = match self {
             Language::Python => script::python::identifier(&stem),
-            Language::Matlab => script::matlab::identifier(&stem),
+            Language::Matlab => script::matlab::file(&stem),
             _ => stem,
         };
         format!("{stem}.{ending}")

@@ -9,7 +9,7 @@ use std::process::Command;
 use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::optimise::{Function, FunctionKind};
 use mbs_printers::call::{arguments, takes};
-use mbs_printers::case::{ALL, Case};
+use mbs_printers::case::{ALL, Case, named};
 use mbs_printers::depth;
 use mbs_printers::tools::each;
 
@@ -164,4 +164,24 @@ fn the_manual_s_host_runs() {
     let found: Vec<f64> =
         String::from_utf8_lossy(&output.stdout).split_whitespace().map(|x| x.parse().expect("a number")).collect();
     assert!(found.len() == 2 && (found[0] - a).abs() < 1e-11 && (found[1] - b).abs() < 1e-11, "{output:?}");
+}
+
+/// A device without doubles, as clang reads for it: nothing is of that type, with constraints or without.
+#[test]
+fn single_precision_needs_no_doubles() {
+    if !Command::new("clang").arg("--version").output().is_ok_and(|output| output.status.success()) {
+        println!("skipped: clang, which is not there");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["double_pendulum", "four_bar"] {
+        let of = &named(name).of;
+        let file = Language::Opencl.file_name(of);
+        std::fs::write(folder.path().join(&file), Language::Opencl.write(of, name, &Options::default()))
+            .expect("written");
+        let options = ["-x", "cl", "-cl-std=CL1.2", "-Xclang", "-cl-ext=-cl_khr_fp64", "-cl-single-precision-constant"];
+        let arguments = [&options[..], &["-DMBS_REAL=float", "-fsyntax-only", file.as_str()]].concat();
+        let output = Command::new("clang").args(arguments).current_dir(folder.path()).output().expect("it runs");
+        assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }

@@ -37,6 +37,10 @@ const TAKEN: &str = "sin cos tan atan atan2 sinh cosh tanh exp abs zeros struct 
     c given params q qd qdd u prescribed multipliers mass_matrix factors reciprocals right_side system motion sizes parts \
     result jacobian";
 
+/// What the file calls besides: a mechanism of such a name would be called in its place.
+const CALLED: &str = "acos all any arrayfun asin diag double false fieldnames find fix floor isempty isequal isfield isfinite \
+    isnan isnumeric isreal isvector log log2 mat2str max min mod nargin numel prod size sqrt strjoin tril true";
+
 fn is_keyword(name: &str) -> bool {
     KEYWORDS.split(' ').any(|word| word == name)
 }
@@ -59,9 +63,10 @@ fn shortened(name: String) -> String {
     format!("{}_{hash:08x}", &name[..LONGEST - 9])
 }
 
-/// The identifier for a name, of a file as well.
-pub(in crate::emit) fn identifier(name: &str) -> String {
-    Matlab.identifier(name)
+/// What a mechanism's file and its main function are called.
+pub(in crate::emit) fn file(mechanism: &str) -> String {
+    let is_called = CALLED.split(' ').any(|word| word == mechanism);
+    if is_called { format!("m_{mechanism}") } else { Matlab.identifier(mechanism) }
 }
 
 struct Matlab;
@@ -161,7 +166,7 @@ fn tables(walk: &Walk<'_>) -> String {
 
 fn main(walk: &Walk<'_>, routines: &[Routine]) -> String {
     let derivation = walk.derivation;
-    let name = Matlab.identifier(&walk.snake_case());
+    let name = file(&walk.snake_case());
     let cells =
         |names: Vec<String>| format!("{{{}}}", names.iter().map(|n| format!("'{n}'")).collect::<Vec<_>>().join(", "));
     let mut docs = vec![
@@ -228,7 +233,7 @@ pub(in crate::emit) fn identifiers(walk: &Walk<'_>) -> Identifiers {
         let name = &walk.names.functions[*i];
         (*i, local(name), field_name(&plain(name)))
     };
-    let mechanism = Matlab.identifier(&walk.snake_case());
+    let mechanism = file(&walk.snake_case());
     Identifiers {
         class: mechanism.clone(),
         mechanism,
@@ -258,12 +263,12 @@ fn function(walk: &Walk<'_>, routine: &Routine) -> String {
     let mut lines = Vec::new();
     if !matches!(routine.ending, Ending::OfMotion(_)) {
         for (name, count) in &routine.arguments {
-            let count = match (*name, count) {
-                (_, None) => 1,
-                ("prescribed", Some(count)) => 3 * count,
-                (_, Some(count)) => *count,
+            let (check, count) = match (*name, count) {
+                (_, None) => ("mbs_sized", 1),
+                ("prescribed", Some(count)) => ("mbs_signals", *count),
+                (_, Some(count)) => ("mbs_sized", *count),
             };
-            lines.push(format!("{name} = mbs_sized('{name}', {name}, {count});"));
+            lines.push(format!("{name} = {check}('{name}', {name}, {count});"));
         }
     }
     let motion = || Matlab.identifier(&format!("f_{}", plain(&walk.names.constrained_motion)));

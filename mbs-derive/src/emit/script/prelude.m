@@ -7,6 +7,9 @@ for i = 1:numel(names)
     error('mbs:parameter', 'there is no parameter %s; there are %s', name, strjoin(fieldnames(params)', ', '));
   end
   value = given.(name);
+  if isvector(value) && isvector(params.(name)) && numel(value) == numel(params.(name))
+    value = reshape(value, size(params.(name)));
+  end
   if ~isnumeric(value) || ~isreal(value) || ~isequal(size(value), size(params.(name))) || ~all(isfinite(value(:)))
     error('mbs:parameter', 'parameter %s must be real, finite and of size %s', name, mat2str(size(params.(name))));
   end
@@ -24,6 +27,16 @@ if ~isnumeric(value) || ~isreal(value)
   error('mbs:real', '%s must be real numbers', name);
 end
 value = double(value);
+end
+
+
+function value = mbs_signals(name, value, count)
+% Of each signal a row: its value, rate and second derivative.
+if ~isequal(size(value), [count, 3])
+  error('mbs:size', '%s must have a row of value, rate and second derivative for each of %d, not the size %s', ...
+    name, count, mat2str(size(value)));
+end
+value = mbs_sized(name, value, 3 * count);
 end
 
 

@@ -75,7 +75,7 @@ fn function(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>) -> String {
     let head = format!("{begin}\nfunction {returned} = {name}(c{given})\n");
     let sized = routine.arguments.iter().map(|(name, count)| match (*name, count) {
         (name, None) => format!("{name} = mbs_sized('{name}', {name}, 1);\n"),
-        ("prescribed", Some(count)) => format!("prescribed = mbs_sized('prescribed', prescribed, {});\n", 3 * count),
+        ("prescribed", Some(count)) => format!("prescribed = mbs_signals('prescribed', prescribed, {count});\n"),
         (name, Some(count)) => format!("{name} = mbs_sized('{name}', {name}, {count});\n"),
     });
     let before = match routine.ending {

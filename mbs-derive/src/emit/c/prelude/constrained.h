@@ -28,7 +28,10 @@ MBS_FN mbs_real mbs_largest(const mbs_real *x, int count)
 }
 
 /* The square root of the rounding error, from above. */
-MBS_FN double mbs_agreement(void) { return sizeof(mbs_real) == 4 ? 4.8828125e-4 : 1.4901161193847656e-8; }
+MBS_FN mbs_real mbs_agreement(void)
+{
+    return sizeof(mbs_real) == 4 ? MBS_C(4.8828125e-4) : MBS_C(1.4901161193847656e-8);
+}
 
 /* A row of which no more than this is left depends on others. */
 MBS_FN mbs_real mbs_least_slope(int small)
