@@ -272,7 +272,15 @@ impl View<'_> {
             return self.members(before.trim_end().len() - 1, &of(&["method"]));
         }
         let statement = line.rsplit([';', '{', '}']).next().unwrap_or(line).trim_start();
-        if statement.is_empty() {
+        // Where something stands before an `if`, a value stands in the braces behind it.
+        let chooses = line.rsplit(';').next().unwrap_or(line);
+        let is_branch = line.trim_end().ends_with('{')
+            && chooses.match_indices("if").any(|(at, word)| {
+                let (before, behind) = (chooses[..at].trim_end(), &chooses[at + word.len()..]);
+                let is_word = !chooses[..at].ends_with(is_part) && !behind.starts_with(is_part);
+                is_word && !before.is_empty() && !before.ends_with(['{', '}']) && !before.ends_with("else")
+            });
+        if statement.is_empty() && !is_branch {
             let mut items = of(&["keyword"]);
             let assigned = |symbol: &Symbol| matches!(symbol.kind, Kind::Local | Kind::Part);
             items.extend(self.names(offset, assigned));

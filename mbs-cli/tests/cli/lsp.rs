@@ -340,6 +340,13 @@ fn what_may_be_written_is_offered() {
         &["inner", "tip"],
         &["x", "norm"],
     );
+    let chosen = "    let a = if x > 0 m { ma } else { ha };\n";
+    check(chosen, "{ ma|", &["mass", "half", "sin"], &["param"]);
+    check(chosen, "{ ha|", &["mass", "half", "sin"], &["param"]);
+    for statement in ["if half > 0 { po }", "for i in 0..2 { if i > 0 { po } }", "if half > 0 { let a = half; po }"] {
+        let marked = if statement.contains("; po") { "; po|" } else { "{ po|" };
+        check(&format!("    {statement}\n"), marked, &["potential", "let"], &["sin"]);
+    }
     check("    // po\n", "// po|\n", &[], &["potential", "mass"]);
     assert_eq!(editor.end(), 0);
 }
