@@ -109,7 +109,9 @@ fn times(start: f64, settings: &Settings, width: usize) -> Result<Vec<f64>, Fail
     if !(end >= start && (end - start).is_finite()) {
         return Err(Failure::of_input(format!("t_end: {end:?} must not lie before the start, {start:?}")));
     }
-    for (name, value) in [("dt", step), ("max_step", settings.max_step), ("tolerance", settings.rtol), ("atol", settings.atol)] {
+    for (name, value) in
+        [("dt", step), ("max_step", settings.max_step), ("tolerance", settings.rtol), ("atol", settings.atol)]
+    {
         if !is_positive(value) {
             return Err(Failure::of_input(format!("{name}: it must be positive and finite, found {value:?}")));
         }
