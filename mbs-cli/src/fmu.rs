@@ -78,6 +78,9 @@ pub(crate) enum Fmi {
     Three,
 }
 
+/// The header that is made of the mechanism's own.
+const MODEL: &str = "model.h";
+
 /// What both versions share, in the order in which it is included.
 const SHARED: [(&str, &str); 5] = [
     ("instance.h", include_str!("fmu/instance.h")),
@@ -158,7 +161,7 @@ fn packed(
     let own = [header.as_str(), &model_alone, &description_alone, wrapper];
     let all = own.into_iter().chain(SHARED.map(|(_, text)| text));
     let token = token(Digest::of(all.map(str::as_bytes)));
-    let mut texts = vec![(model.header(), header), ("model.h".to_string(), model.written(&token))];
+    let mut texts = vec![(model.header(), header), (MODEL.to_string(), model.written(&token))];
     texts.extend(SHARED.map(|(name, text)| (name.to_string(), text.to_string())));
     texts.push((main.to_string(), wrapper.to_string()));
     if arguments.fmi == Fmi::Three {

@@ -6,6 +6,7 @@ use mbs_derive::emit::Interface;
 use mbs_derive::optimise::{Argument, Derivation, Function, FunctionKind, Shape};
 use mbs_derive::variable::Variable;
 
+use super::{MODEL, SHARED};
 use crate::state::Point;
 
 /// A mechanism and how its header calls it.
@@ -22,12 +23,13 @@ const STATE: &str = "double t, const double *s, const double *q, const double *q
 impl Model<'_> {
     /// The file of the mechanism's own header, which is none that all FMUs have, or include.
     pub(super) fn header(&self) -> String {
-        const TAKEN: &str = "constraints instance integration jacobian model states fmi2functions fmi3functions assert complex \
-            ctype errno fenv float inttypes limits locale math setjmp signal stdarg stdbool stddef stdint stdio stdlib string \
-            tgmath time wchar wctype";
+        const LIBRARY: &str = "assert complex ctype errno fenv float inttypes limits locale math setjmp signal stdarg stdbool \
+            stddef stdint stdio stdlib string tgmath time wchar wctype";
         let prefix = &self.interface.prefix;
-        let is_taken = TAKEN.split(' ').any(|word| word == prefix);
-        if is_taken { format!("{prefix}_equations.h") } else { format!("{prefix}.h") }
+        let own = format!("{prefix}.h");
+        let is_shared = own == MODEL || SHARED.iter().any(|(name, _)| *name == own);
+        let is_taken = is_shared || LIBRARY.split(' ').any(|word| word == prefix);
+        if is_taken { format!("{prefix}_equations.h") } else { own }
     }
 
     /// model.h.

@@ -344,8 +344,7 @@ fn what_may_be_written_is_offered() {
     check(chosen, "{ ma|", &["mass", "half", "sin"], &["param"]);
     check(chosen, "{ ha|", &["mass", "half", "sin"], &["param"]);
     for statement in ["if half > 0 { po }", "for i in 0..2 { if i > 0 { po } }", "if half > 0 { let a = half; po }"] {
-        let marked = if statement.contains("; po") { "; po|" } else { "{ po|" };
-        check(&format!("    {statement}\n"), marked, &["potential", "let"], &["sin"]);
+        check(&format!("    {statement}\n"), " po| }", &["potential", "let"], &["sin"]);
     }
     check("    // po\n", "// po|\n", &[], &["potential", "mass"]);
     assert_eq!(editor.end(), 0);

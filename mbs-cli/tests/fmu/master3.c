@@ -147,7 +147,9 @@ static void refused(void)
     CHECK(strstr(last_message, "`m` must not be negative") != NULL);
     CHECK(set(a, MASS, 3.0) == fmi3OK && fmi3EnterInitializationMode(a, false, 0.0, 0.0, true, -1.0) == fmi3Error);
     CHECK(fmi3EnterInitializationMode(a, true, NAN, 0.0, false, 0.0) == fmi3Error);
-    CHECK(fmi3EnterInitializationMode(a, true, 1e-3, NAN, false, 0.0) == fmi3Error && ((fmu_instance *)a)->v.tolerance == MBS_TOLERANCE);
+    CHECK(
+        fmi3EnterInitializationMode(a, true, 1e-3, NAN, false, 0.0) == fmi3Error &&
+        ((fmu_instance *)a)->v.tolerance == MBS_TOLERANCE);
     begin(a);
     CHECK(set(a, THETA, 0.0) == fmi3Error && step(a, 0.5, 0.1) == fmi3Error && step(a, 0.0, 0.0) == fmi3Error);
     CHECK(step(a, 0.0, NAN) == fmi3Error && step(a, 0.0, -1.0) == fmi3Error && get(a, THETA) == 1.0);
