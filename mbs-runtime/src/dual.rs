@@ -2,7 +2,7 @@
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::dynamics::Terms;
+use crate::dynamics::{Elimination, Factors, Terms};
 use crate::scalar::Scalar;
 
 /// `value + derivative · ε` with `ε² = 0`: a number that carries its derivative along one direction.
@@ -148,6 +148,21 @@ impl<T: Scalar> Scalar for Dual<T> {
         let motion = |i: usize| core::array::from_fn(|j| pair(q[i][j], q_rate[i][j]));
         let multipliers = |k: usize| core::array::from_fn(|j| pair(l[k][j], l_rate[k][j]));
         (core::array::from_fn(motion), core::array::from_fn(multipliers))
+    }
+
+    /// From `K x = b` follows `K x′ = b′ − K′ x`, with the factors of the values.
+    fn sparse_solve<const N: usize, const U: usize, const E: usize, const L: usize>(
+        elimination: &Elimination<U, E, L>,
+        factors: &Factors<Self, U, L>,
+        right_side: &[Self; U],
+        sizes: &[Self; U],
+    ) -> [Self; U] {
+        let values = factors.values();
+        let (b, terms) = (right_side.map(|b| b.value), sizes.map(|size| size.value));
+        let x = T::sparse_solve::<N, U, E, L>(elimination, &values, &b, &terms);
+        let (b, terms) = factors.rates(elimination, right_side, &x);
+        let rates = T::sparse_solve::<N, U, E, L>(elimination, &values, &b, &terms);
+        core::array::from_fn(|i| Self { value: x[i], derivative: rates[i] })
     }
 
     #[inline]

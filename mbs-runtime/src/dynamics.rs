@@ -53,7 +53,7 @@ pub use constrained::{
 };
 pub use null_space::Terms;
 pub(crate) use scaling::scaled;
-pub use sparse::{Elimination, sparse_least_change, sparse_slopes, sparse_solve};
+pub use sparse::{Elimination, Factors, sparse_least_change, sparse_slopes, sparse_solve};
 
 /// `x` with `M x = b`, for `M` symmetric and positive definite.
 ///

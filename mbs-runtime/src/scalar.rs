@@ -11,7 +11,7 @@
 use core::fmt::Debug;
 use core::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::dynamics::Terms;
+use crate::dynamics::{Elimination, Factors, Terms};
 
 #[cfg(any(feature = "std", feature = "libm"))]
 mod float;
@@ -190,6 +190,17 @@ pub trait Scalar:
         terms: &Terms<'_, Self, N, K, C>,
     ) -> ([[Self; C]; N], [[Self; C]; K]) {
         crate::dynamics::solve_constrained(m, a, force, target, terms)
+    }
+
+    /// What [`sparse_solve`](crate::sparse_solve) calls: the unknowns in the order of elimination, accelerations and
+    /// multipliers with the sign changed; `sizes` are those of the terms that the right side is the sum of.
+    fn sparse_solve<const N: usize, const U: usize, const E: usize, const L: usize>(
+        elimination: &Elimination<U, E, L>,
+        factors: &Factors<Self, U, L>,
+        right_side: &[Self; U],
+        sizes: &[Self; U],
+    ) -> [Self; U] {
+        factors.refined::<N, E>(elimination, right_side, sizes)
     }
 
     /// `then` in the lanes where `mask` is true, `otherwise` in the others.

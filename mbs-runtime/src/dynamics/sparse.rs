@@ -34,6 +34,8 @@
 
 use crate::scalar::{Mask, Real, Scalar};
 
+mod derivative;
+
 /// The share of what its multiplier moves by which a row may be off, in roundings.
 const SHARE: f64 = 1e3;
 
@@ -127,7 +129,8 @@ impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
 /// | `force`       | `f = Q − C q̇ − G − ∂D/∂q̇`                                            | `N`   |
 /// | `target`      | `c = −γ`                                                             | `K`   |
 ///
-/// Of `U = N + K` unknowns. M has to be positive definite. Rows that depend on others and agree with them (to about
+/// Of `U = N + K` unknowns. Of dual numbers the derivatives are a second solution, `q̈′ = K⁻¹ (b′ − K′ x)`, and NaN where
+/// that one contradicts itself. M has to be positive definite. Rows that depend on others and agree with them (to about
 /// 2e-10 of the terms, 1e-3 for `f32`) leave `q̈` and `Aᵀ λ` as they are. Everything is NaN where a coordinate has no
 /// inertia, where rows contradict each other, and where a number is infinite or NaN.
 /// [`constrained_solve`](crate::constrained_solve) takes M that is singular, too, in time that grows with the cube of
@@ -211,7 +214,7 @@ pub fn sparse_least_change<T: Real, const N: usize, const K: usize, const U: usi
 }
 
 /// `K = L D Lᵀ`, each row off by a share of its multiplier.
-struct Factors<T: Scalar, const U: usize, const L: usize> {
+pub struct Factors<T: Scalar, const U: usize, const L: usize> {
     /// K itself: its diagonal, and its entries at the places of L.
     diagonal: [T; U],
     entries: [T; L],
@@ -293,10 +296,27 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
             let unknown = usize::from(unknown);
             if unknown < N { force[unknown] } else { target[unknown - N] }
         });
-        let mut x = right_side;
+        let x = T::sparse_solve::<N, U, E, L>(elimination, self, &right_side, &right_side.map(T::abs));
+        let (mut accelerations, mut multipliers) = ([T::zero(); N], [T::zero(); K]);
+        for (&unknown, &x) in elimination.order.iter().zip(&x) {
+            let unknown = usize::from(unknown);
+            if unknown < N { accelerations[unknown] = x } else { multipliers[unknown - N] = -x }
+        }
+        (accelerations, multipliers)
+    }
+
+    /// The unknowns in the order of elimination, NaN where they do not solve `K x = b`; `sizes` are those of the terms
+    /// that `b` is the sum of.
+    pub(crate) fn refined<const N: usize, const E: usize>(
+        &self,
+        elimination: &Elimination<U, E, L>,
+        right_side: &[T; U],
+        sizes: &[T; U],
+    ) -> [T; U] {
+        let mut x = *right_side;
         self.substitute(elimination, &mut x);
         for round in 0..ROUNDS {
-            let (mut rest, exact) = self.rest::<N, E>(elimination, &right_side, &x, EXACT);
+            let (mut rest, exact) = self.rest::<N, E>(elimination, (right_side, sizes), &x, EXACT);
             if round > 0 && exact.all() {
                 break;
             }
@@ -306,19 +326,8 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
                 x[step] = if round > 0 { T::blend(exact, x[step], changed) } else { changed };
             }
         }
-        let is_solved = self.is_sound & self.rest::<N, E>(elimination, &right_side, &x, AGREES).1;
-        // Not a constant: of a dual number the derivative is NaN, too.
-        let undefined = T::zero() / T::zero();
-        let (mut accelerations, mut multipliers) = ([undefined; N], [undefined; K]);
-        for (&unknown, &x) in elimination.order.iter().zip(&x) {
-            let unknown = usize::from(unknown);
-            if unknown < N {
-                accelerations[unknown] = T::blend(is_solved, x, undefined);
-            } else {
-                multipliers[unknown - N] = T::blend(is_solved, -x, undefined);
-            }
-        }
-        (accelerations, multipliers)
+        let is_solved = self.is_sound & self.rest::<N, E>(elimination, (right_side, sizes), &x, AGREES).1;
+        x.map(|x| T::blend(is_solved, x, T::from_f64(f64::NAN)))
     }
 
     /// `x ← (L D Lᵀ)⁻¹ x`
@@ -343,39 +352,49 @@ impl<T: Scalar, const U: usize, const L: usize> Factors<T, U, L> {
     fn rest<const N: usize, const E: usize>(
         &self,
         elimination: &Elimination<U, E, L>,
-        right_side: &[T; U],
+        (right_side, sizes): (&[T; U], &[T; U]),
         x: &[T; U],
         [roundings, share]: [f64; 2],
     ) -> ([T; U], T::Mask) {
-        let Elimination { order, ends, rows, .. } = elimination;
+        let order = elimination.order;
         let moving = order.iter().zip(x.iter().zip(&self.weights)).filter(|(unknown, _)| usize::from(**unknown) < N);
         let size = moving.fold(T::zero(), |size, (_, (&x, &weight))| size.maximum((x * weight).abs()));
         let (size, off) = (T::from_f64(share) * size, T::from_f64(share * SHARE * T::ROUNDING));
-        let (mut rest, mut terms) = (*right_side, right_side.map(T::abs));
+        let (mut rest, mut terms) = (*right_side, *sizes);
         for (step, (terms, &weight)) in terms.iter_mut().zip(&self.weights).enumerate() {
             *terms = *terms + weight * size;
             if usize::from(order[step]) >= N {
                 *terms = *terms + off * (weight * weight) * x[step].abs();
             }
         }
-        let mut take = |step: usize, product: T| {
-            rest[step] = rest[step] - product;
-            terms[step] = terms[step] + product.abs();
-        };
-        for step in 0..U {
-            take(step, self.diagonal[step] * x[step]);
-            for a in start(ends, step)..ends[step] as usize {
-                let row = usize::from(rows[a]);
-                take(row, self.entries[a] * x[step]);
-                take(step, self.entries[a] * x[row]);
-            }
-        }
+        take_away(elimination, (&self.diagonal, &self.entries), x, (&mut rest, &mut terms));
         let most = T::from_f64((roundings * T::ROUNDING).min(LOOSEST));
         let agrees = rest.iter().zip(&terms).map(|(rest, &terms)| rest.abs().less_equal(most * terms));
         // An infinite number has infinite terms.
         let is_finite = terms.iter().map(|terms| terms.less(T::from_f64(f64::INFINITY)));
         let all = agrees.chain(is_finite).fold(T::zero().less(T::one()), |all, agrees| all & agrees);
         (rest, all)
+    }
+}
+
+/// `rest ← rest − K x`, and the sizes of what is taken away added to those of its terms.
+fn take_away<T: Scalar, const U: usize, const E: usize, const L: usize>(
+    Elimination { ends, rows, .. }: &Elimination<U, E, L>,
+    (diagonal, entries): (&[T; U], &[T; L]),
+    x: &[T; U],
+    (rest, terms): (&mut [T; U], &mut [T; U]),
+) {
+    let mut take = |step: usize, product: T| {
+        rest[step] = rest[step] - product;
+        terms[step] = terms[step] + product.abs();
+    };
+    for step in 0..U {
+        take(step, diagonal[step] * x[step]);
+        for a in start(ends, step)..ends[step] as usize {
+            let row = usize::from(rows[a]);
+            take(row, entries[a] * x[step]);
+            take(step, entries[a] * x[row]);
+        }
     }
 }
 
@@ -478,6 +497,27 @@ mod tests {
         entries[0] = Dual::constant(0.0);
         let (q, _) = sparse_solve(&ELIMINATION, entries, force.map(Dual::constant), target.map(Dual::constant));
         assert!(q.iter().all(|q| q.value.is_nan() && q.derivative.is_nan()));
+    }
+
+    /// To the bit what the solution of these numbers is, where values are exact and where derivatives have none.
+    #[test]
+    fn derivatives_are_solved_for_as_values_are() {
+        let check = |entries: [f64; 9], force: [f64; 3], target: [f64; 2]| {
+            let rate = |derivative: f64| Dual { value: 0.0, derivative };
+            let (q, l) = sparse_solve(&ELIMINATION, entries.map(Dual::constant), force.map(rate), target.map(rate));
+            let (expected_q, expected_l) = sparse_solve(&ELIMINATION, entries, force, target);
+            for (found, expected) in q.iter().chain(&l).zip(expected_q.iter().chain(&expected_l)) {
+                assert!(found.value == 0.0, "{found:?}");
+                assert!(found.derivative == *expected || expected.is_nan() && found.derivative.is_nan(), "{found:?}");
+            }
+            expected_q[0].is_finite()
+        };
+        for (size, is_solved) in [(1e2, true), (1e5, true), (1e6, true), (1e8, false)] {
+            let entries = [size, 0.0, 1.0 / size, 0.0, size, 1.0, -1.0, 1.0, -1.0];
+            assert_eq!(check(entries, [1.0, 0.5, 0.5], [0.0; 2]), is_solved, "{size:e}");
+        }
+        let twice = [2.0, 0.5, 3.0, -0.25, 4.0, 0.0, 1.5, 0.75, 0.0];
+        assert!(check(twice, [0.0; 3], [0.2, 0.1]) && !check(twice, [0.0; 3], [0.2, 0.3]));
     }
 
     #[test]
