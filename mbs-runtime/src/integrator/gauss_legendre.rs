@@ -194,12 +194,13 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
                 continue;
             }
             stalled += 1;
-            // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and for
-            // long.
-            let reach = largest(&old.q) + h.abs() * (largest(&old.qd) + h.abs() * size);
-            let felt =
-                if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { V::Scalar::EPSILON.sqrt() };
-            if h * h * change <= felt * reach {
+            // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and
+            // velocities neither, and for long.
+            let speed = largest(&old.qd) + h.abs() * size;
+            let reach = largest(&old.q) + h.abs() * speed;
+            let hardly = V::Scalar::EPSILON.sqrt();
+            let felt = if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { hardly };
+            if h * h * change <= felt * reach && (stalled < 4 || h.abs() * change <= hardly * speed) {
                 return Ok(());
             }
         }
@@ -361,6 +362,13 @@ mod tests {
         let mut state = State::new([0.0, 100.0], [0.0, 0.0]);
         let result = GaussLegendre4::new(0.1).integrate(back_and_forth, 0.0, 0.1, &mut state, go_on);
         assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }));
+        // Friction that turns with the velocity, of which places of 1 m feel nothing in a step of 1e-5 s.
+        let friction = |_: f64, _: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 1.0 - 5.0 * qd[0].signum();
+        for place in [0.0, 1.0, 100.0] {
+            let mut state = State::new([place], [0.0]);
+            let result = GaussLegendre4::new(1e-5).integrate(friction, 0.0, 1e-5, &mut state, go_on);
+            assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }), "{place}");
+        }
     }
 
     #[test]
