@@ -183,11 +183,17 @@ struct Elimination<T, const N: usize, const K: usize, const C: usize> {
 }
 
 impl<T: Real, const N: usize, const K: usize, const C: usize> Elimination<T, N, K, C> {
-    /// Rows are scaled to a largest entry of 1; those that take no part become zero.
+    /// Rows are scaled to a largest entry of 1, unless all are zero; those that take no part become zero.
     fn new(a: &[[T; N]; K], c: &[[T; C]; K], takes_part: impl Fn(usize) -> bool, named: [bool; N]) -> Self {
         let scale = |row: usize| {
             let size = largest(&a[row]);
-            if size == T::zero() || !takes_part(row) { T::zero() } else { T::one() / size }
+            if !takes_part(row) {
+                T::zero()
+            } else if size == T::zero() {
+                T::one()
+            } else {
+                T::one() / size
+            }
         };
         Self {
             a: core::array::from_fn(|row| a[row].map(|x| x * scale(row))),
@@ -324,5 +330,8 @@ mod tests {
         let bent =
             Reduction::new(&[[1.0, 1.0], [1.0, 1.0]], &[[0.0; 2], [0.0, 1.0]], |_| false, [0, 1], [0]).map(|_| ());
         assert!(matches!(bent, Err(ReductionError::RankChanges { .. })), "{bent:?}");
+        // x y = 0 at the origin, where the row is zero: at rest it asks for nothing there, on the way along x for δẏ.
+        let crossing = |rate: f64| Reduction::new(&[[0.0, 0.0]], &[[0.0, rate]], |_| true, [0, 1], [0, 1]).map(|_| ());
+        assert_eq!([0.0, 1.0].map(crossing), [Ok(()), Err(ReductionError::RankChanges { row: 0 })]);
     }
 }
