@@ -1,6 +1,7 @@
 //! Many motions of one mechanism at once: states in blocks of lanes, blocks on all cores.
 //!
-//! A member's motion is the same to the bit whatever the lanes, the blocks and the threads: it is that of
+//! A member's motion is the same to the bit whatever the lanes, the blocks and the threads, if sines and cosines are
+//! those of [`Scalar::sin_cos_all`], as in generated code: it is that of
 //! [`Integrator::integrate`](crate::Integrator::integrate) with the same settings.
 
 use core::ops::Range;
@@ -27,8 +28,9 @@ type Outcome = Result<Summary, IntegrationError>;
 /// first coordinates of all its members, and so on (structures of arrays).
 ///
 /// `L` is `f64`, `f32`, or one of the lanes of `wide` (feature `wide`); with the feature `rayon` blocks are gone
-/// through on all cores. Which of these are chosen does not change a bit of a result, except where the target has fused
-/// multiply–add and the right-hand side asks for it by hand.
+/// through on all cores. Which of these are chosen does not change a bit of a result, if the right-hand side takes sines
+/// and cosines from [`Scalar::sin_cos_all`], as generated code does (`sin` is the library's for a number and a polynomial
+/// for lanes), except where the target has fused multiply–add and the right-hand side asks for it by hand.
 ///
 /// ```
 /// use mbs_runtime::{Dop853, Ensemble, Scalar, State};
@@ -38,7 +40,10 @@ type Outcome = Result<Summary, IntegrationError>;
 /// let mut pendulums = Ensemble::<f64, 1>::new(lengths.iter().map(|_| State::new([1.0], [0.0])));
 /// let outcomes = pendulums.integrate(&Dop853::new(1e-9, 1e-12), 0.0, 2.0, |members| {
 ///     let length: f64 = members.pack(|member| lengths[member]);
-///     move |_, q, _, qdd| *qdd = [-9.81 / length * q[0].sin()]
+///     move |_, q, _, qdd| {
+///         let ([sine], _) = Scalar::sin_cos_all([q[0]]);
+///         *qdd = [-9.81 / length * sine]
+///     }
 /// });
 /// assert!(outcomes.iter().all(Result::is_ok));
 /// // Where each of them is now.
