@@ -516,6 +516,9 @@ impl<T: Scalar, const N: usize, const K: usize> NullSpace<T, N, K> {
     /// q̈ and λ for one right side.
     #[inline]
     pub(crate) fn solve(&self, force: &[T; N], target: &[T; K]) -> Result<([T; N], [T; K]), Fault<T>> {
+        if !force.iter().chain(target).all(|&x| is_finite(x)) {
+            return Err(Fault::NonFinite);
+        }
         let (force, target) = self.scaled_right_side(force, target);
         let sizes = target.map(magnitude);
         if self.rank == K {

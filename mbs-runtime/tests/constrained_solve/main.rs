@@ -318,6 +318,8 @@ fn what_is_wrong_is_said() {
         assert_eq!(try_constrained_solve([[m]], [[a]], [f], [c]), Err(ConstraintError::NonFinite));
         let (q, l) = constrained_solve([[m]], [[a]], [f], [c]);
         assert!(q[0].is_nan() && l[0].is_nan());
+        // A row that depends on the other one, too, is asked for what is not finite.
+        assert_eq!(try_constrained_solve([[m]], [[a], [a]], [f], [f64::NAN, c]), Err(ConstraintError::NonFinite));
     }
     // Nothing is nothing.
     assert_eq!(constrained_solve::<f64, 0, 0>([], [], [], []), ([], []));
