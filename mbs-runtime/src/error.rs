@@ -93,12 +93,13 @@ pub enum IntegrationError<E = Infallible> {
         /// The index of the event, counted from 0.
         event: usize,
     },
-    /// The allowed number of steps was used up; or steps of fixed length were cut short by events, or by the observer,
-    /// a million times within the time of one.
+    /// The allowed number of steps was used up, or is too small for steps of fixed length; or these were cut short by
+    /// events, or by the observer, a million times within the time of one.
     TooManySteps {
         /// The time of the last accepted state \[s\].
         time: f64,
-        /// The number of steps made, rejected ones included, or needed and not allowed.
+        /// The number of steps allowed, rejected ones included, of fixed ones at most 2⁵³; where these were cut short,
+        /// the number of steps made.
         steps: usize,
     },
 }
@@ -188,7 +189,7 @@ impl<E: fmt::Display> fmt::Display for IntegrationError<E> {
             Self::EventsAccumulate { time, event } => {
                 write!(f, "event {event} follows itself ever closer and ends the motion at t = {time:?} s")
             }
-            Self::TooManySteps { time, steps } => write!(f, "{steps} steps used up at t = {time:?} s"),
+            Self::TooManySteps { time, steps } => write!(f, "more than {steps} steps are needed at t = {time:?} s"),
         }
     }
 }
@@ -392,6 +393,8 @@ mod tests {
             "mass matrix is not positive definite: pivot 1 is 5e-17 in the unit of its inertia"
         );
         assert_eq!(error.time(), Some(0.0));
+        let error: IntegrationError = IntegrationError::TooManySteps { time: 0.5, steps: 10 };
+        assert_eq!(error.to_string(), "more than 10 steps are needed at t = 0.5 s");
         assert_eq!(IntegrationError::<Infallible>::InvalidStep { step: 0.0 }.time(), None);
     }
 }

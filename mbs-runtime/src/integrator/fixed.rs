@@ -6,6 +6,15 @@ use crate::error::IntegrationError;
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
+/// More steps than these are not allowed: beyond them whole numbers are not told apart.
+const MOST_STEPS: u64 = 1 << 53;
+
+/// That more steps are needed than are allowed.
+pub(super) fn too_many<E>(time: f64, max_steps: usize) -> IntegrationError<E> {
+    let most = usize::try_from(MOST_STEPS).unwrap_or(usize::MAX);
+    IntegrationError::TooManySteps { time, steps: max_steps.min(most) }
+}
+
 /// How many steps it takes from `t` to `t_end`.
 pub(super) fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usize> {
     // 0.3/0.1 is not 3: what is beyond a whole number by rounding alone makes no step of its own.
@@ -14,7 +23,7 @@ pub(super) fn count(t: f64, t_end: f64, step: f64, allowed: usize) -> Option<usi
     // In 64 bits wherever this runs: 2^53 steps are more than a `usize` of 32 bits counts.
     let whole = ratio as u64;
     let steps = if (whole as f64) < ratio { whole.saturating_add(1) } else { whole.max(1) };
-    let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).min(1 << 53);
+    let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).min(MOST_STEPS);
     let steps = (steps <= allowed && duration.is_finite()).then_some(steps)?;
     usize::try_from(steps).ok()
 }
@@ -51,7 +60,7 @@ where
     while run.summary.time != t_end {
         let origin = run.summary.time;
         let Some(steps) = count(origin, t_end, step, max_steps - run.summary.accepted) else {
-            return Err(IntegrationError::TooManySteps { time: origin, steps: max_steps });
+            return Err(too_many(origin, max_steps));
         };
         let h = (t_end - origin) / steps as f64;
         for i in 1..=steps {

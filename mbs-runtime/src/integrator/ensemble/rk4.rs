@@ -25,8 +25,7 @@ impl EnsembleIntegrator for Rk4 {
         } else if t == t_end {
             Ok(0)
         } else {
-            let too_many = IntegrationError::TooManySteps { time: t, steps: self.max_steps };
-            fixed::count(t, t_end, self.step, self.max_steps).ok_or(too_many)
+            fixed::count(t, t_end, self.step, self.max_steps).ok_or_else(|| fixed::too_many(t, self.max_steps))
         };
         let steps = match steps {
             Ok(steps) => steps,
