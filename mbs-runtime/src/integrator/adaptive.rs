@@ -122,10 +122,12 @@ where
     }
     let direction = if t_end > t { 1.0 } else { -1.0 };
     run.ready().map_err(|fault| fault.at(t, 0.0))?;
-    let first = control.first_step.unwrap_or_else(|| {
-        let longest = (t_end - t).abs().min(control.max_step);
-        run.method.initial_step(&mut run.system, t, direction, longest, run.state)
-    });
+    let longest = (t_end - t).abs().min(control.max_step);
+    let first = match control.first_step {
+        // What is longer is not tried, and nothing for whoever goes on.
+        Some(step) => step.min(longest),
+        None => run.method.initial_step(&mut run.system, t, direction, longest, run.state),
+    };
     let mut pace = Pace::new(first);
     loop {
         let attempt = pace.attempt::<T, _>(control, &run.summary, t_end)?;

@@ -32,6 +32,17 @@ fn a_short_last_step_says_little_about_the_next() {
     check(&Dop853::new(1e-10, 1e-10));
 }
 
+#[test]
+fn a_step_that_was_not_tried_is_not_proposed() {
+    fn check(integrator: &impl Integrator<f64>) {
+        let go_on = |_: &mut dyn Step<[f64; 1]>| ControlFlow::Continue(());
+        let summary = integrator.integrate(oscillate, 0.0, 0.3, &mut State::new([1.0], [0.0]), go_on).unwrap();
+        assert!(summary.next_step > 0.0 && summary.next_step <= 10.0 * 0.3, "{summary:?}");
+    }
+    check(&Dopri5::new(1e-8, 1e-8).with_first_step(1e6));
+    check(&Dop853::new(1e-10, 1e-10).with_first_step(1e6));
+}
+
 /// The largest deviation from a cosine at the times asked for, and the number of answers.
 fn check_samples(integrator: &impl Integrator<f64>, times: &[f64], tolerance: f64) {
     let mut seen = 0;

@@ -57,11 +57,11 @@ impl EnsembleIntegrator for Dop853 {
         }
         active = watch.fine;
 
+        let longest = (t_end - t).abs().min(control.max_step);
         let first: [f64; MOST] = match self.first_step {
-            Some(step) => [step; MOST],
+            Some(step) => [step.min(longest); MOST],
             None => {
                 let direction = if t_end > t { 1.0 } else { -1.0 };
-                let longest = (t_end - t).abs().min(control.max_step);
                 let (d0, d1) = stages.sizes(state);
                 let guesses: [f64; MOST] = core::array::from_fn(|lane| {
                     if lane < L::COUNT { first_guess(d0.lane(lane), d1.lane(lane), longest) } else { 0.0 }

@@ -68,6 +68,7 @@ where
 {
     same::<L, _>(&Dop853::new(1e-9, 1e-12), &SPANS);
     same::<L, _>(&Dop853::new(1e-4, 1e-4).with_first_step(2.0).with_beta(0.05), &SPANS);
+    same::<L, _>(&Dop853::new(1e-4, 1e-4).with_first_step(1e6), &SPANS);
     same::<L, _>(&Dop853::new(1e-9, 1e-9).with_max_steps(30).with_max_step(0.5), &SPANS);
     same::<L, _>(&Dop853::new(1e-12, 1e-12).with_min_step(1.0), &SPANS);
     same::<L, _>(&Dop853::new(0.0, 1e-9), &SPANS);
