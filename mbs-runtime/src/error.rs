@@ -14,7 +14,7 @@ use core::fmt;
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum IntegrationError<E = Infallible> {
-    /// A tolerance is not a positive finite number.
+    /// A tolerance is not a positive finite number, or not after it was rounded to the precision of the state.
     InvalidTolerance {
         /// The relative tolerance given.
         relative: f64,

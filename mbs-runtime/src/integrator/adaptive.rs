@@ -37,7 +37,8 @@ impl Control {
     /// Refuses what makes no sense at the start `t`.
     pub(super) fn check<T: Real>(&self, t: f64) -> Result<(), IntegrationError> {
         let positive = |x: f64| x > 0.0 && x.is_finite();
-        if !(positive(self.rtol) && positive(self.atol)) {
+        let rounded = |x: f64| T::from_f64(x).to_f64();
+        if !(positive(rounded(self.rtol)) && positive(rounded(self.atol))) {
             return Err(IntegrationError::InvalidTolerance { relative: self.rtol, absolute: self.atol });
         }
         // The step would follow the error before more than this one.

@@ -367,6 +367,12 @@ mod tests {
     fn single_precision() {
         let initial = periapsis(0.3);
         let mut state = State::new(initial.q.map(|x| x as f32), initial.qd.map(|x| x as f32));
+        // Tolerances that single precision rounds to zero or infinity are none.
+        for (rtol, atol) in [(1e-6, 1e-46), (1e-46, 1e-6), (1e-6, 1e39)] {
+            let refused = Dop853::new(rtol, atol).integrate(kepler, 0.0, TAU, &mut state, go_on);
+            let expected = IntegrationError::InvalidTolerance { relative: rtol, absolute: atol };
+            assert_eq!(refused, Err(expected));
+        }
         Dop853::new(1e-5, 1e-5).integrate(kepler, 0.0, TAU, &mut state, go_on).unwrap();
         let state = State::new(state.q.map(f64::from), state.qd.map(f64::from));
         assert!(distance(&state, &initial) < 1e-3, "{state:?}");
