@@ -265,15 +265,17 @@ impl<T: Scalar> Scalar for Dual<T> {
         self.chain(sqrt, T::one() / (sqrt + sqrt))
     }
 
-    /// `n xⁿ⁻¹ x' + xⁿ ln x · n'`; the second term is left out where `n' = 0`, so that a constant power of a negative
-    /// number has its derivative.
+    /// `n xⁿ⁻¹ x' + xⁿ ln x · n'`; the first term is left out where `n = 0` or `x' = 0`, so that zero may be raised to
+    /// powers that have no slope there, the second where `n' = 0`, so that a constant power of a negative number has its
+    /// derivative.
     #[inline]
     fn powf(self, exponent: Self) -> Self {
         let (x, n) = (self.value, exponent.value);
         let power = x.powf(n);
-        let by_base = self.chain(power, n * x.powf(n - T::one()));
-        let by_both = || by_base.derivative + power * x.ln() * exponent.derivative;
-        Self { derivative: T::select(exponent.derivative.vanishes(), || by_base.derivative, by_both), ..by_base }
+        let slope = || n * x.powf(n - T::one()) * self.derivative;
+        let by_base = T::select(n.vanishes() | self.derivative.vanishes(), T::zero, slope);
+        let by_both = || by_base + power * x.ln() * exponent.derivative;
+        Self { value: power, derivative: T::select(exponent.derivative.vanishes(), || by_base, by_both) }
     }
 
     #[inline]
@@ -395,6 +397,16 @@ mod tests {
     fn a_constant_power_of_a_negative_number() {
         let y = Dual::variable(-2.0).powf(Dual::constant(3.0));
         assert_eq!((y.value, y.derivative), (-8.0, 12.0));
+    }
+
+    /// `x⁰ = 1` everywhere, and a constant is one to any power.
+    #[test]
+    fn powers_of_zero() {
+        for x in [0.0, -3.0, 2.0] {
+            assert_eq!(Dual::variable(x).powf(Dual::constant(0.0)), Dual::constant(1.0), "{x}");
+        }
+        assert_eq!(Dual::constant(0.0).powf(Dual::constant(0.5)), Dual::constant(0.0));
+        assert_eq!(Dual::variable(0.0).powf(Dual::constant(0.5)).derivative, f64::INFINITY);
     }
 
     /// Whether the exponent varies is a matter of each lane.
