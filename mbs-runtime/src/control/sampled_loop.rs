@@ -114,11 +114,7 @@ impl<const U: usize> SampledLoop<U> {
         if !(0.0..=self.sample_time).contains(&self.delay) {
             return Err(IntegrationError::InvalidStep { step: self.delay });
         }
-        for time in [t, t_end] {
-            if !time.is_finite() || t_end < t {
-                return Err(IntegrationError::InvalidTime { time });
-            }
-        }
-        Ok(())
+        let refused = [t, t_end].into_iter().find(|time| !time.is_finite()).or((t_end < t).then_some(t_end));
+        refused.map_or(Ok(()), |time| Err(IntegrationError::InvalidTime { time }))
     }
 }

@@ -474,9 +474,11 @@ fn times_of_a_loop_are_checked() {
     for bad in [-0.1, 0.6, f64::NAN] {
         assert!(matches!(run(0.5, bad, 0.0, 1.0), Err(IntegrationError::InvalidStep { .. })), "{bad}");
     }
-    for (t, t_end) in [(0.0, -1.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
-        assert!(matches!(run(0.5, 0.0, t, t_end), Err(IntegrationError::InvalidTime { .. })), "{t} {t_end}");
+    for (t, t_end, bad) in [(0.0, -1.0, -1.0), (f64::INFINITY, 1.0, f64::INFINITY), (0.0, f64::INFINITY, f64::INFINITY)]
+    {
+        assert_eq!(run(0.5, 0.0, t, t_end), Err(IntegrationError::InvalidTime { time: bad }), "{t} {t_end}");
     }
+    assert!(matches!(run(0.5, 0.0, f64::NAN, 1.0), Err(IntegrationError::InvalidTime { time }) if time.is_nan()));
     assert_eq!(run(0.5, 0.1, 2.0, 2.0), Ok(2.0));
     assert_eq!(run(1e-20, 0.0, 1.0, 2.0), Err(IntegrationError::InvalidStep { step: 1e-20 }));
 }
