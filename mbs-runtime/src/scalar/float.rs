@@ -22,7 +22,7 @@ macro_rules! scalar {
             #[inline]
             fn exponent(self) -> i32 {
                 let exponent = |x: f64| ((x.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-                exponent(f64::from(self)).max(-1022)
+                exponent(f64::from(self)).max(<$float>::MIN_EXP - 1)
             }
 
             #[inline]
@@ -165,6 +165,16 @@ mod tests {
         assert_eq!(taken, 6.0);
         let taken = f64::select_each(f64::NAN.less_equal(f64::NAN), || panic!("the other side"), || [7.0, 8.0]);
         assert_eq!(taken, [7.0, 8.0]);
+    }
+
+    #[test]
+    fn exponents_are_those_of_normal_numbers() {
+        for (x, exponent) in [(0.75, -1), (-8.0, 3), (f64::MIN_POSITIVE, -1022), (1e-310, -1022)] {
+            assert_eq!(Scalar::exponent(x), exponent, "{x:e}");
+        }
+        for (x, exponent) in [(0.75_f32, -1), (-8.0, 3), (f32::MIN_POSITIVE, -126), (1e-40, -126)] {
+            assert_eq!(Scalar::exponent(x), exponent, "{x:e}");
+        }
     }
 
     #[test]
