@@ -380,8 +380,14 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             self.find_root(step, index, to)?;
         }
         let mut good = from;
-        // NaN is no minimum.
-        while let Some(time) = self.first_root(to >= from) {
+        loop {
+            // NaN is no minimum.
+            let Some(time) = self.first_root(to >= from) else {
+                if self.find_hidden_roots(step, to)? {
+                    continue;
+                }
+                break;
+            };
             step.interpolate(time, &mut self.there)?;
             if self.gather(step, time, to - from)? {
                 continue;
@@ -459,6 +465,11 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             } else if event.next.is_nan() && passed && event.reached != 0.0 {
                 self.locate(step, index, time)?;
                 return Ok(true);
+            } else if event.next.is_nan() && event.is_armed() && !event.reached.is_finite() && !event.waits(time, way) {
+                if self.find_hidden_root(step, index, time)? {
+                    return Ok(true);
+                }
+                step.interpolate(time, &mut self.there)?;
             }
         }
         Ok(false)

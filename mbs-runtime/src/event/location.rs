@@ -45,6 +45,44 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         Ok(())
     }
 
+    /// Finds roots behind which the events' functions are not finite before `to`; whether there are some.
+    pub(super) fn find_hidden_roots(&mut self, step: &mut dyn Step<V>, to: f64) -> Result<bool, IntegrationError> {
+        let mut found = false;
+        for index in 0..self.events.len() {
+            if self.events[index].next.is_nan() && self.events[index].is_armed() {
+                found |= self.find_hidden_root(step, index, to)?;
+            }
+        }
+        Ok(found)
+    }
+
+    /// Bisects between `since` and `to`, where the function is not finite, for the last place at which it is, as long as
+    /// that is on the side it came from; where one is not, the root lies before it.
+    pub(super) fn find_hidden_root(
+        &mut self,
+        step: &mut dyn Step<V>,
+        index: usize,
+        to: f64,
+    ) -> Result<bool, IntegrationError> {
+        let Event { side, since, .. } = self.events[index];
+        let (mut good, mut bad) = (since, to);
+        while (bad - good).abs() > resolution(good, bad) {
+            let middle = good + 0.5 * (bad - good);
+            step.interpolate(middle, &mut self.there)?;
+            match self.value(index, middle, since) {
+                Err(_) => bad = middle,
+                Ok(value) if side * value > 0.0 => good = middle,
+                Ok(_) => {
+                    return match self.locate(step, index, middle) {
+                        Err(IntegrationError::NonFiniteEvent { .. }) => Ok(false),
+                        result => result.map(|()| true),
+                    };
+                }
+            }
+        }
+        Ok(false)
+    }
+
     /// Finds the time between `since` and `to` at which the event's function changes its sign: the last one before it,
     /// or the first one at which it is zero.
     ///

@@ -418,13 +418,20 @@ fn a_place_that_the_motion_never_reaches_is_no_error() {
     check(&Rk4::new(0.3));
     check(&Rk4::new(5.0));
     check(&GaussLegendre4::new(0.7));
-    // Without a floor it gets there: the event before has happened, and what is left is the last good state.
+    // Without a floor it gets there: the events before have happened, and what is left is the last good state.
     let mut ball = State::new([5.0], [0.0]);
     let mut events = [Event::new(&|_, ball: &One| ball.q[0].sqrt() - 0.5), Event::new(&|t, _: &One| t - 0.95)];
     let result = Rk4::new(1.5).integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on);
     let Err(IntegrationError::NonFiniteEvent { time, event: 0 }) = result else { panic!("{result:?}") };
-    assert!((time - 0.95).abs() < 1e-15 && (ball.q[0] - 0.4875).abs() < 1e-12, "{time} {ball:?}");
-    assert_eq!(events[1].count(), 1);
+    assert!((time - 0.95_f64.sqrt()).abs() < 1e-15 && (ball.q[0] - 0.25).abs() < 1e-12, "{time} {ball:?}");
+    assert_eq!([events[0].count(), events[1].count()], [1, 1]);
+    // So it does not where one of them ends the motion; what comes later in the same eighth does not happen.
+    let mut ball = State::new([5.0], [0.0]);
+    let function = |_: f64, ball: &One| ball.q[0].sqrt() - 0.5;
+    let mut events = [Event::new(&function).falling().terminal(), Event::new(&|t, _: &One| t - 1.05)];
+    let result = Rk4::new(1.5).integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut events, go_on);
+    assert!((result.unwrap().time - 0.95_f64.sqrt()).abs() < 1e-15 && (ball.q[0] - 0.25).abs() < 1e-12, "{ball:?}");
+    assert_eq!([events[0].count(), events[1].count()], [1, 0]);
 }
 
 #[test]
