@@ -460,8 +460,10 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             event.reached = (event.function)(time, &self.there);
             let passed = event.side * event.reached <= 0.0 && event.is_armed() && !event.waits(time, way);
             let width = (event.behind - event.root).abs().max(resolution(event.root, time));
-            if !event.root.is_nan() && (passed || (event.root - time).abs() <= width) {
-                event.root = time;
+            let near = (event.root - time).abs() <= width;
+            if !event.root.is_nan() && (passed || near) {
+                // A root that is not near is another one than what it has passed here.
+                (event.root, event.behind) = (time, if near { event.behind } else { time });
             } else if event.next.is_nan() && passed && event.reached != 0.0 {
                 self.locate(step, index, time)?;
                 return Ok(true);

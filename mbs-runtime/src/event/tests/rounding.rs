@@ -126,6 +126,18 @@ fn a_motion_goes_on_behind_its_terminal_event() {
     check(&GaussLegendre4::new(0.01), 1e-5);
 }
 
+/// Of an event with three roots in an eighth of a step another one is found than the one that is passed where the motion
+/// ends: it ends there all the same.
+#[test]
+fn a_terminal_event_is_not_moved_to_roots_behind_it() {
+    let cubic = |t: f64, _: &One| -(t - 0.03) * (t - 0.06) * (t - 0.1);
+    let mut events = [Event::new(&|t, _: &One| t - 0.05).terminal(), Event::new(&cubic)];
+    let mut state = State::new([1.0], [0.0]);
+    let summary = Rk4::new(1.0).integrate_with_events(oscillate, 0.0, 1.0, &mut state, &mut events, go_on).unwrap();
+    assert!((summary.time - 0.05).abs() < 1e-15, "{summary:?}");
+    assert_eq!([&events[0], &events[1]].map(Event::last_time), [Some(summary.time); 2]);
+}
+
 /// A projection at the cut of an event that begins a new step leads back over the surface: the event has happened.
 #[test]
 fn a_correction_at_the_cut_does_not_repeat_the_event() {
