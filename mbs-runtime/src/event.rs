@@ -339,7 +339,7 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
             step.restart(time, &self.after).map_err(IntegrationError::widen)?;
         }
         match answer {
-            Ok(ControlFlow::Continue(())) if cut.stop => Ok(ControlFlow::Break(time)),
+            Ok(ControlFlow::Continue(())) if cut.stop && time == cut.time => Ok(ControlFlow::Break(time)),
             answer => answer,
         }
     }

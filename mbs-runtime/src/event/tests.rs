@@ -513,6 +513,17 @@ fn an_observer_ends_no_later_than_the_event() {
     assert!(matches!(refused, Err(IntegrationError::Stopped { error: 'x', .. })) && (ball.qd[0] - 5.0).abs() < 1e-10);
     let (before, ball) = ended(|_| Ok(ControlFlow::Break(0.5)));
     assert!(before.unwrap().time == 0.5 && (ball.q[0] - 3.75).abs() < 1e-12, "{ball:?}");
+    // One that goes on from before a terminal event comes to it again.
+    let mut floor = [Event::new(&height).terminal()];
+    let (mut ball, mut again) = (State::new([5.0], [0.0]), true);
+    let summary = Rk4::new(1.5).integrate_with_events(fall, 0.0, 1.5, &mut ball, &mut floor, |step| {
+        if core::mem::take(&mut again) {
+            step.restart(0.5, &State::new([3.75], [-5.0])).unwrap();
+        }
+        ControlFlow::Continue(())
+    });
+    assert!((summary.unwrap().time - 1.0).abs() < 1e-12 && ball.q[0].abs() < 1e-12, "{ball:?}");
+    assert_eq!(floor[0].count(), 2);
 }
 
 #[test]
