@@ -2,8 +2,8 @@
 //!
 //! [`Integrator::integrate_with_events`](crate::Integrator::integrate_with_events) watches them. In each step the
 //! functions are looked at in nine places, both ends and seven between, on the dense output. Where a function has
-//! changed its sign from one place to the next, the root is bracketed until two neighbouring times are left (ITP, at
-//! most a few iterations more than bisection), so that the time is as good as the dense output and the clock allow.
+//! changed its sign from one place to the next, the root is bracketed to some units in the last place of its time (ITP,
+//! at most a few iterations more than bisection), so that the time is as good as the dense output and the clock allow.
 //!
 //! - An event happens where its function reaches zero or passes it, not where it leaves zero: a function that is zero
 //!   at the start, or after an impact, waits until it has left zero.
