@@ -65,9 +65,10 @@ pub enum IntegrationError<E = Infallible> {
         /// What it said.
         error: E,
     },
-    /// No state on the constraints is near the end of the step; see [`Projected`](crate::Projected).
+    /// No state on the constraints is near the end of the step, or near a state inside it that was asked for; see
+    /// [`Projected`](crate::Projected).
     Constraint {
-        /// The end of the step \[s\].
+        /// The end of the step, or the time asked for \[s\].
         time: f64,
         /// What the projection said.
         error: ConstraintError,

@@ -357,9 +357,10 @@ pub trait Step<V> {
     ///
     /// # Errors
     /// [`IntegrationError::InvalidTime`] if `t` is not inside the step; [`IntegrationError::NonFiniteState`] if there
-    /// is no acceleration where the interpolant needs one. `state` is then untouched. When the observer returns,
-    /// whatever it returns, the integration ends with this error, or with the one that the right-hand side refused
-    /// with.
+    /// is no acceleration where the interpolant needs one; [`IntegrationError::Constraint`] if
+    /// [`Projected`](crate::Projected) finds no state on the constraints there. `state` is then untouched. When the
+    /// observer returns, whatever it returns, the integration ends with this error, or with the one that the right-hand
+    /// side refused with.
     fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError>;
 
     /// Goes on from `state` instead of the end of the step: for a projection onto constraints, or a jump.

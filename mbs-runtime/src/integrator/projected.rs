@@ -93,9 +93,9 @@ impl<T: Real, I: Integrator<T>, D: Drift<T>> Integrator<T> for Projected<I, D> {
         V: Coordinates<Scalar = T>,
         F: Acceleration<V>,
     {
-        let (mut drift, mut end) = (self.drift.clone(), state.clone());
+        let mut work = Work::new(&self.drift, state);
         self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| {
-            Closed::observe(step, &mut drift, &mut end, &mut observer)
+            Closed::observe(step, &mut work, &mut observer)
         })
     }
 
@@ -112,18 +112,32 @@ impl<T: Real, I: Integrator<T>, D: Drift<T>> Integrator<T> for Projected<I, D> {
         V: Coordinates<Scalar = T>,
         F: Acceleration<V>,
     {
-        let (mut drift, mut end) = (self.drift.clone(), state.clone());
+        let mut work = Work::new(&self.drift, state);
         let mut watch = Watch::new(events, state);
-        let mut closed = |step: &mut dyn Step<V>| Closed::observe(step, &mut drift, &mut end, &mut observer);
+        let mut closed = |step: &mut dyn Step<V>| Closed::observe(step, &mut work, &mut observer);
         self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| watch.observe(step, &mut closed))
+    }
+}
+
+/// What the steps of one integration work in.
+struct Work<V, D> {
+    drift: D,
+    /// The end of the step.
+    end: State<V>,
+    /// What is asked for before it.
+    between: State<V>,
+}
+
+impl<V: Clone, D: Clone> Work<V, D> {
+    fn new(drift: &D, like: &State<V>) -> Self {
+        Self { drift: drift.clone(), end: like.clone(), between: like.clone() }
     }
 }
 
 /// A step whose end, and whatever is asked for before it, is on the constraints.
 struct Closed<'a, V, D> {
     whole: &'a mut dyn Step<V>,
-    drift: &'a mut D,
-    end: &'a State<V>,
+    work: &'a mut Work<V, D>,
     /// Whether the observer goes on from a state of its own.
     replaced: bool,
     fault: Option<IntegrationError>,
@@ -133,26 +147,42 @@ impl<T: Real, V: Coordinates<Scalar = T>, D: Drift<T>> Closed<'_, V, D> {
     /// Projects the end of the step, shows it to the observer, and goes on from there.
     fn observe<E>(
         step: &mut dyn Step<V>,
-        drift: &mut D,
-        end: &mut State<V>,
+        work: &mut Work<V, D>,
         observer: &mut impl Observer<V, E>,
     ) -> Result<ControlFlow<f64>, IntegrationError<E>> {
         let time = step.time();
-        end.copy_from(step.state());
-        drift.remove(time, end).map_err(|error| IntegrationError::Constraint { time, error })?;
-        let mut closed = Closed { whole: step, drift, end, replaced: false, fault: None };
+        work.end.copy_from(step.state());
+        work.drift.remove(time, &mut work.end).map_err(|error| IntegrationError::Constraint { time, error })?;
+        let mut closed = Closed { whole: step, work, replaced: false, fault: None };
         let answer = observer(&mut closed);
         let replaced = closed.replaced;
         if !replaced
             && let Ok(ControlFlow::Break(last)) = answer
             && last != time
         {
-            let mut state = closed.end.clone();
-            closed.interpolate(last, &mut state).and_then(|()| closed.whole.restart(last, &state)).ok();
+            closed.look(last).and_then(|()| closed.whole.restart(last, &closed.work.between)).ok();
         } else if !replaced {
-            closed.whole.replace(closed.end);
+            closed.whole.replace(&closed.work.end);
         }
         closed.fault.map_or(answer, |error| Err(error.widen()))
+    }
+
+    /// Writes the solution at the time `t` to `between`.
+    fn look(&mut self, t: f64) -> Result<(), IntegrationError> {
+        let Work { drift, end, between } = &mut *self.work;
+        if t == self.whole.time() {
+            between.copy_from(end);
+            return Ok(());
+        }
+        self.whole.interpolate(t, between)?;
+        if t == self.whole.previous_time() {
+            return Ok(());
+        }
+        drift.remove(t, between).map_err(|error| {
+            let error = IntegrationError::Constraint { time: t, error };
+            self.fault = Some(error);
+            error
+        })
     }
 }
 
@@ -170,23 +200,13 @@ impl<T: Real, V: Coordinates<Scalar = T>, D: Drift<T>> Step<V> for Closed<'_, V,
     }
 
     fn state(&self) -> &State<V> {
-        self.end
+        &self.work.end
     }
 
     fn interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError> {
-        if t == self.whole.time() {
-            state.copy_from(self.end);
-            return Ok(());
-        }
-        self.whole.interpolate(t, state)?;
-        if t == self.whole.previous_time() {
-            return Ok(());
-        }
-        self.drift.remove(t, state).map_err(|error| {
-            let error = IntegrationError::Constraint { time: t, error };
-            self.fault = Some(error);
-            error
-        })
+        self.look(t)?;
+        state.copy_from(&self.work.between);
+        Ok(())
     }
 
     fn replace(&mut self, state: &State<V>) {

@@ -243,3 +243,24 @@ fn what_does_not_close_ends_the_motion() {
     };
     assert!(time > 1.0 && state.is_finite());
 }
+
+#[test]
+fn a_state_that_cannot_be_projected_is_not_handed_out() {
+    /// A rule that has no state before 0.5 s.
+    #[derive(Clone)]
+    struct Late;
+    impl Drift<f64> for Late {
+        fn remove<V: Coordinates<Scalar = f64>>(&mut self, t: f64, _: &mut State<V>) -> Result<(), ConstraintError> {
+            if t < 0.5 { Err(ConstraintError::NonFinite) } else { Ok(()) }
+        }
+    }
+    let method = Projected { method: Dop853::new(1e-9, 1e-9).with_first_step(1.0), drift: Late };
+    let still = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 0.0;
+    let refused = IntegrationError::Constraint { time: 0.25, error: ConstraintError::NonFinite };
+    let result = method.integrate(still, 0.0, 1.0, &mut State::new([0.0], [1.0]), |step| {
+        let mut there = State::new([7.0], [7.0]);
+        assert_eq!((step.interpolate(0.25, &mut there), there), (Err(refused), State::new([7.0], [7.0])));
+        ControlFlow::Continue(())
+    });
+    assert_eq!(result, Err(refused));
+}
