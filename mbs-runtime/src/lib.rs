@@ -99,7 +99,7 @@
 //! | `rayon` | blocks of an `Ensemble` on all cores                                                              |
 //!
 //! Without `std` and `libm` the crate compiles, but `f32` and `f64` are no scalars. There is no allocation but in
-//! `Trajectory` and where `Vec`s are coordinates, and no unsafe code.
+//! `Trajectory` and `Ensemble` and where `Vec`s are coordinates, and no unsafe code.
 
 #![no_std]
 #![forbid(unsafe_code)]

@@ -265,30 +265,18 @@ where
         if let Some(time) = last
             && time != self.origin.unwrap_or(self.span.end)
         {
-            let mut state = self.replacement.clone();
-            self.try_interpolate(time, &mut state)?;
-            self.go_on_from(time, &state).map_err(IntegrationError::widen)?;
+            let Self { span, system, method, replacement, prepared, .. } = &mut self;
+            interpolate(span, (system, *method, prepared), time, replacement)?;
+            if !self.replacement.is_finite() {
+                return Err(IntegrationError::NonFiniteState { time: self.span.end });
+            }
+            self.origin = Some(time);
         }
         Ok(Onward { stopped, prepared: self.prepared, origin: self.origin, error })
     }
 
     fn try_interpolate(&mut self, t: f64, state: &mut State<V>) -> Result<(), IntegrationError<F::Error>> {
-        let Span { start, end, old, new } = self.span;
-        if t == end {
-            state.copy_from(new);
-        } else if t == start {
-            state.copy_from(old);
-        } else if is_between(start, t, end) {
-            if !self.prepared {
-                self.method.prepare(self.system, &self.span).map_err(|fault| fault.at(end, end - start))?;
-                self.prepared = true;
-            }
-            let theta = V::Scalar::from_f64((t - start) / (end - start));
-            self.method.interpolate(&self.span, theta, state);
-        } else {
-            return Err(IntegrationError::InvalidTime { time: t });
-        }
-        Ok(())
+        interpolate(&self.span, (self.system, self.method, &mut self.prepared), t, state)
     }
 
     fn go_on_from(&mut self, t: f64, state: &State<V>) -> Result<(), IntegrationError> {
@@ -301,6 +289,36 @@ where
         self.origin = Some(t);
         Ok(())
     }
+}
+
+/// Writes the solution at the time `t` inside the step, which has to be `prepared` between its ends.
+fn interpolate<V, F, M>(
+    span: &Span<'_, V>,
+    (system, method, prepared): (&mut System<F>, &mut M, &mut bool),
+    t: f64,
+    state: &mut State<V>,
+) -> Result<(), IntegrationError<F::Error>>
+where
+    V: Coordinates,
+    F: Acceleration<V>,
+    M: Method<V>,
+{
+    let Span { start, end, old, new } = *span;
+    if t == end {
+        state.copy_from(new);
+    } else if t == start {
+        state.copy_from(old);
+    } else if is_between(start, t, end) {
+        if !*prepared {
+            method.prepare(system, span).map_err(|fault| fault.at(end, end - start))?;
+            *prepared = true;
+        }
+        let theta = V::Scalar::from_f64((t - start) / (end - start));
+        method.interpolate(span, theta, state);
+    } else {
+        return Err(IntegrationError::InvalidTime { time: t });
+    }
+    Ok(())
 }
 
 impl<V, F, M> Step<V> for Accepted<'_, V, F, M>
