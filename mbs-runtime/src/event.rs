@@ -21,7 +21,8 @@
 //! - After an action that changes the state, or says [`Response::Restart`], the rest of the step is dropped, and the
 //!   integration goes on from the state it left.
 //! - An event that ends the integration ends it right behind its zero, so that it does not happen again where the
-//!   motion is gone on with; where an action has changed the state, as at an impact, right before it.
+//!   motion is gone on with, of a projected motion where the projected state is behind it; where an action has changed
+//!   the state, as at an impact, right before it.
 //! - Impacts that accumulate (Zeno: a ball that comes to rest) end with
 //!   [`EventsAccumulate`](IntegrationError::EventsAccumulate) when they can no longer be told apart. An action that
 //!   leaves the motion at rest on a surface has to take away the force into it as well.
@@ -268,7 +269,12 @@ pub(crate) struct Watch<'e, 'a, V> {
     there: State<V>,
     /// The state that the actions left.
     after: State<V>,
+    /// Brings a state to where the end of a step will be brought; false where there is none.
+    correction: Option<&'e mut Correction<'e, V>>,
 }
+
+/// A change of a state at a time, if it is possible.
+type Correction<'e, V> = dyn FnMut(f64, &mut State<V>) -> bool + 'e;
 
 /// What the state at the beginning of a step has to do with the step before.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -298,7 +304,13 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for event in events.iter_mut() {
             (event.count, event.last, event.value, event.residue) = (0, f64::NAN, f64::NAN, 0.0);
         }
-        Self { events, start: Start::Jump, there: like.clone(), after: like.clone() }
+        Self { events, start: Start::Jump, there: like.clone(), after: like.clone(), correction: None }
+    }
+
+    /// Whose ends of steps are corrected, as by a projection.
+    pub(crate) fn with_correction(mut self, correction: &'e mut Correction<'e, V>) -> Self {
+        self.correction = Some(correction);
+        self
     }
 
     /// Looks for events in the step, and shows the observer what is left of it.
@@ -520,6 +532,7 @@ impl<'e, 'a, V: Coordinates> Watch<'e, 'a, V> {
         for event in self.events.iter_mut().filter(happened) {
             time = if far(event.behind) > far(time) { event.behind } else { time };
         }
+        let time = self.beyond_correction(step, cut.time, time)?;
         for event in self.events.iter_mut().filter(happened) {
             event.last = time;
         }

@@ -45,6 +45,45 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         Ok(())
     }
 
+    /// The first of some times from `time` on, ever farther from the root, at which the corrected state is behind the
+    /// zeros of the events that have just happened there; `time` itself without a correction, or where another event
+    /// or the end of the step comes first.
+    pub(super) fn beyond_correction(
+        &mut self,
+        step: &mut dyn Step<V>,
+        root: f64,
+        time: f64,
+    ) -> Result<f64, IntegrationError> {
+        let Some(correct) = self.correction.as_mut() else { return Ok(time) };
+        let length = step.time() - root;
+        let mut distance = (time - root).abs().max(resolution(root, time)).max(1e-14 * length.abs());
+        let mut later = time;
+        while is_between(root, later, step.time()) && distance > 0.0 {
+            step.interpolate(later, &mut self.there)?;
+            self.after.copy_from(&self.there);
+            if !correct(later, &mut self.after) {
+                break;
+            }
+            let (mut is_behind, mut is_alone) = (true, true);
+            for event in self.events.iter() {
+                if event.last == root {
+                    is_behind &= (event.function)(later, &self.after) * event.came <= 0.0;
+                } else if event.is_armed() {
+                    is_alone &= (event.function)(later, &self.there) * event.side > 0.0;
+                }
+            }
+            if is_behind {
+                return Ok(later);
+            }
+            if !is_alone {
+                break;
+            }
+            distance *= 4.0;
+            later = root + distance.copysign(length);
+        }
+        Ok(time)
+    }
+
     /// Finds roots behind which the events' functions are not finite before `to`; whether there are some.
     pub(super) fn find_hidden_roots(&mut self, step: &mut dyn Step<V>, to: f64) -> Result<bool, IntegrationError> {
         let mut found = false;

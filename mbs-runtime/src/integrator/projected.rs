@@ -24,7 +24,7 @@ use crate::state::{Coordinates, State};
 /// |----------|--------------------------------------------------------------------------------------------------|
 /// | `method` | makes the steps                                                                                  |
 /// | `drift`  | takes away what they drift: [`Projector::onto`] a mechanism, or whatever knows `φ`, `A`, `A q̇ + b` |
-/// |          | and `M`; cloned once in each integration                                                         |
+/// |          | and `M`; cloned when an integration starts                                                       |
 ///
 /// ```text
 /// let drift = Projector::new([0.0; Projector::<f64, [f64; 0]>::size(3, 2)]).onto(&four_bar);
@@ -113,7 +113,9 @@ impl<T: Real, I: Integrator<T>, D: Drift<T>> Integrator<T> for Projected<I, D> {
         F: Acceleration<V>,
     {
         let mut work = Work::new(&self.drift, state);
-        let mut watch = Watch::new(events, state);
+        let mut again = self.drift.clone();
+        let mut correction = |t: f64, state: &mut State<V>| again.remove(t, state).is_ok();
+        let mut watch = Watch::new(events, state).with_correction(&mut correction);
         let mut closed = |step: &mut dyn Step<V>| Closed::observe(step, &mut work, &mut observer);
         self.method.run(acceleration, t, t_end, state, |step: &mut dyn Step<V>| watch.observe(step, &mut closed))
     }

@@ -7,7 +7,7 @@ use std::vec::Vec;
 
 use crate::{
     ConstraintError, Constraints, Coordinates, Dop853, Drift, Event, IntegrationError, Integrator, Onto, Projected,
-    Projector, Response, State, Step,
+    Projector, Response, Rk4, State, Step,
 };
 
 const G: f64 = 9.80665;
@@ -128,6 +128,37 @@ fn the_pendulum_keeps_its_period() {
     let period = 2.153_242_351_783_842_6;
     for (i, time) in times.iter().enumerate() {
         assert!((time - (0.25 + 0.5 * i as f64) * period).abs() < 1e-9, "passage {i}: {time}");
+    }
+}
+
+/// What takes away some of each step, before and behind an event.
+#[derive(Clone)]
+struct Back(f64);
+
+impl Drift<f64> for Back {
+    fn remove<V: Coordinates<Scalar = f64>>(&mut self, _: f64, state: &mut State<V>) -> Result<(), ConstraintError> {
+        state.q.as_mut_slice()[0] -= self.0;
+        Ok(())
+    }
+}
+
+/// Where the projection leads back over the zero, it does not happen again where the motion is gone on with.
+#[test]
+fn a_projected_motion_goes_on_behind_its_terminal_event() {
+    let go_on = |_: &mut dyn Step<[f64; 1]>| ControlFlow::Continue(());
+    let glide = |_: f64, _: &[f64; 1], _: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 0.0;
+    let level = |_: f64, state: &State<[f64; 1]>| state.q[0] - 0.83;
+    for back in [1e-6, 1e-12, 0.0, -1e-6] {
+        let method = Projected { method: Rk4::new(0.25), drift: Back(back) };
+        let (mut t, mut state, mut counts) = (0.0, State::new([0.0], [1.0]), [0; 2]);
+        for count in &mut counts {
+            let mut passed = [Event::new(&level).rising().terminal(), Event::new(&|t, _| t - 1.7)];
+            let summary = method.integrate_with_events(glide, t, 2.0, &mut state, &mut passed, go_on).unwrap();
+            (t, *count) = (summary.time, passed[0].count());
+            assert!((summary.time - if *count == 1 { 0.83 } else { 2.0 }).abs() < 2e-5, "{back}: {summary:?}");
+            assert_eq!(passed[0].last_time(), (*count == 1).then_some(t));
+        }
+        assert_eq!(counts, [1, 0], "{back}: {t}");
     }
 }
 
