@@ -266,8 +266,8 @@ impl<T: Scalar> Scalar for Dual<T> {
     }
 
     /// `n xⁿ⁻¹ x' + xⁿ ln x · n'`; the first term is left out where `n = 0` or `x' = 0`, so that zero may be raised to
-    /// powers that have no slope there, the second where `n' = 0`, so that a constant power of a negative number has its
-    /// derivative.
+    /// powers that have no slope there, the second where `n' = 0`, so that a constant power of a negative number has
+    /// its derivative.
     #[inline]
     fn powf(self, exponent: Self) -> Self {
         let (x, n) = (self.value, exponent.value);

@@ -95,8 +95,8 @@ impl<V: Coordinates> Watch<'_, '_, V> {
         Ok(found)
     }
 
-    /// Bisects between `since` and `to`, where the function is not finite, for the last place at which it is, as long as
-    /// that is on the side it came from; where one is not, the root lies before it.
+    /// Bisects between `since` and `to`, where the function is not finite, for the last place at which it is, as long
+    /// as that is on the side it came from; where one is not, the root lies before it.
     pub(super) fn find_hidden_root(
         &mut self,
         step: &mut dyn Step<V>,

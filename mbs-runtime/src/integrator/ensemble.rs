@@ -28,9 +28,9 @@ type Outcome = Result<Summary, IntegrationError>;
 /// first coordinates of all its members, and so on (structures of arrays).
 ///
 /// `L` is `f64`, `f32`, or one of the lanes of `wide` (feature `wide`); with the feature `rayon` blocks are gone
-/// through on all cores. Which of these are chosen does not change a bit of a result, if the right-hand side takes sines
-/// and cosines from [`Scalar::sin_cos_all`], as generated code does (`sin` is the library's for a number and a polynomial
-/// for lanes), except where the target has fused multiply–add and the right-hand side asks for it by hand.
+/// through on all cores. Which of these are chosen does not change a bit of a result, if the right-hand side takes
+/// sines and cosines from [`Scalar::sin_cos_all`], as generated code does (`sin` is the library's for a number and a
+/// polynomial for lanes), except where the target has fused multiply–add and the right-hand side asks for it by hand.
 ///
 /// ```
 /// use mbs_runtime::{Dop853, Ensemble, Scalar, State};

@@ -126,8 +126,8 @@ fn a_motion_goes_on_behind_its_terminal_event() {
     check(&GaussLegendre4::new(0.01), 1e-5);
 }
 
-/// Of an event with three roots in an eighth of a step another one is found than the one that is passed where the motion
-/// ends: it ends there all the same.
+/// Of an event with three roots in an eighth of a step another one is found than the one that is passed where the
+/// motion ends: it ends there all the same.
 #[test]
 fn a_terminal_event_is_not_moved_to_roots_behind_it() {
     let cubic = |t: f64, _: &One| -(t - 0.03) * (t - 0.06) * (t - 0.1);
