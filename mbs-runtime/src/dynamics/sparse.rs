@@ -204,7 +204,8 @@ pub fn sparse_least_change<T: Real, const N: usize, const K: usize, const U: usi
 ) -> Option<([T; N], usize)> {
     let factors = Factors::new(elimination, N, &entries);
     let (change, _) = factors.solve(elimination, &[T::zero(); N], &target);
-    let least = T::from_f64(DEPENDENT.max(2.0 * (SHARE * T::ROUNDING).sqrt()));
+    // The root is the scalar's: without `std` and `libm` `f64` has none.
+    let least = T::from_f64(DEPENDENT).maximum(T::from_f64(2.0) * T::from_f64(SHARE * T::ROUNDING).sqrt());
     let is_dependent = |&(_, (&reciprocal, &weight)): &(&u16, (&T, &T))| {
         weight <= T::zero() || -T::one() / reciprocal <= least * (weight * weight)
     };
