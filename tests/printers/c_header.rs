@@ -238,6 +238,27 @@ fn every_function_gives_the_bits_of_its_program() {
     assert!(ALL.len() > 60 && compared > 2_500_000, "{compared}");
 }
 
+/// Statements of a long chain are written once, in loops, and what they are compiled to gives the same bits.
+#[test]
+fn links_of_a_long_chain_are_loops() {
+    let text = include_str!("../mechanisms/n_chain.mbs").replace("const n = 5;", "const n = 40;");
+    let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
+    let chain = Case::with_options("long_chain", &Sources::new("n_chain.mbs", &text), &options);
+    let header = Language::C.write(&chain.of, "n_chain.mbs", &Options::default());
+    assert!(header.contains("for (int i = 1; i < ") && header.contains("; i -= "), "it has no loops");
+    let folder = tempfile::tempdir().expect("a folder");
+    for [c, cpp] in compilers() {
+        for (compiler, language) in [(c, &["-std=c99"][..]), (cpp, &["-x", "c++", "-std=c++17"])] {
+            let way = Way { compiler, language, trigonometry: Trigonometry::Polynomials, is_sanitized: compiler == c };
+            let (name, found) = ran(&chain, &way, folder.path());
+            chain.compare(compiler, &found, &chain.wanted(Trigonometry::Polynomials, STATES), STATES);
+            // Where it optimizes, a compiler looks for what is read before it is written.
+            let source = format!("{name}.c");
+            compiled(compiler, &[language, &["-O2", "-c", &source, "-o", "optimized.o"]].concat(), folder.path());
+        }
+    }
+}
+
 /// Every function that the language of mechanisms has.
 #[test]
 fn the_librarys_functions_are_within_4_ulp() {

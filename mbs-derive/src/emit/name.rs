@@ -28,7 +28,7 @@ const RESERVED: [&str; 14] = [
 ];
 
 /// Arguments that a component may shadow where it is destructured after all others that are read.
-const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
+pub(super) const ARGUMENTS: [&str; 6] = ["q", "qd", "qdd", "u", "prescribed", "multipliers"];
 
 /// What a struct cannot be called: names that the module has for other types and for modules, and the primitive types.
 const TYPES: [&str; 23] = [

@@ -7,8 +7,9 @@
 //! groups read is kept in arrays with a component for each link. Run through, the loops are the statements that there
 //! were, and their values have the same bits.
 //!
-//! `printer` writes the loops.
+//! - `printer`: the loops, in no language; `lines`: how a language writes them.
 
+mod lines;
 mod printer;
 #[cfg(test)]
 mod tests;
@@ -21,6 +22,7 @@ use crate::expr::Symbol;
 use super::body::Body;
 use super::expression::Tree;
 use super::statement::Statement;
+pub(super) use lines::{Loops, lines};
 use printer::Printer;
 
 /// Fewer groups than these stay as they are.
@@ -39,22 +41,22 @@ const OTHERWISE: usize = 3;
 const ROUNDS: usize = 40;
 
 /// A body in loops.
-pub(super) struct Rolled {
+struct Rolled {
     /// The texts of locals, those of the body first; of what is kept in arrays and tables and of arguments these are
     /// `q[i - 1]`.
-    pub(super) locals: Vec<String>,
+    locals: Vec<String>,
     /// Names and lengths of arrays.
-    pub(super) arrays: Vec<(String, usize)>,
+    arrays: Vec<(String, usize)>,
     /// Names and numbers of tables.
-    pub(super) tables: Vec<(String, Vec<f64>)>,
-    pub(super) steps: Vec<Step>,
+    tables: Vec<(String, Vec<f64>)>,
+    steps: Vec<Step>,
     /// The results, each a component of an array.
-    pub(super) results: Vec<Tree>,
+    results: Vec<Tree>,
 }
 
 /// A step of a rolled body.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Step {
+enum Step {
     /// `let local = tree;`
     Let(usize, Tree),
     /// `array[i] = tree;`
@@ -63,10 +65,27 @@ pub(super) enum Step {
     Link(i64),
     /// What follows is of the links from one to another.
     Links([i64; 2]),
-    /// `let (sines, cosines) = T::sin_cos_all(angles);`
-    SinesAndCosines([String; 2], String),
-    /// `for i in (first..end).step_by(stride) { … }`, or with the last one first.
-    Loop { index: String, first: usize, end: usize, stride: usize, is_inwards: bool, steps: Vec<Step> },
+    /// `let (sines, cosines) = T::sin_cos_all(angles);` of this many angles.
+    SinesAndCosines { names: [String; 2], angles: String, count: usize },
+    /// A loop.
+    Loop(Turns, Vec<Step>),
+}
+
+/// `for i in (first..end).step_by(stride) { … }`, or with the last one first.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Turns {
+    pub(super) index: String,
+    pub(super) first: usize,
+    pub(super) end: usize,
+    pub(super) stride: usize,
+    pub(super) is_inwards: bool,
+}
+
+impl Turns {
+    /// The index of the turn that is furthest outwards.
+    pub(super) fn last(&self) -> usize {
+        self.first + (self.end - 1 - self.first) / self.stride * self.stride
+    }
 }
 
 /// What groups of one statement each are for.
@@ -147,7 +166,7 @@ enum Form {
 }
 
 /// The body in loops; `None` where nothing is gained, or where there are branches.
-pub(super) fn rolled(body: &Body<'_>) -> Option<Rolled> {
+fn rolled(body: &Body<'_>, loops: &dyn Loops) -> Option<Rolled> {
     let parts = Parts::of(body)?;
     let mut excluded = vec![false; parts.groups.len()];
     for _ in 0..ROUNDS {
@@ -155,7 +174,7 @@ pub(super) fn rolled(body: &Body<'_>) -> Option<Rolled> {
         match parts.forms(&runs) {
             Ok((forms, seeds)) => {
                 let rolled: usize = runs.iter().map(|run| run.groups.len()).sum();
-                return (rolled > 2 * FEW).then(|| Printer::new(body, &parts, &runs, &forms, &seeds).print());
+                return (rolled > 2 * FEW).then(|| Printer::new(body, loops, &parts, &runs, &forms, &seeds).print());
             }
             Err(wrong) => wrong.into_iter().flatten().for_each(|group| excluded[group] = true),
         }

@@ -17,6 +17,7 @@ use crate::variable::{self, Variable};
 use super::body::{Angle, Block, Body, Component, Statement};
 use super::expression::Tree;
 use super::name::{Names, Scope, snake_case};
+use super::rolled::{self, Loops};
 use super::{Options, doc, links, shape};
 pub(super) use layout::{block_comment, defaults, if_else, indented};
 
@@ -66,8 +67,8 @@ pub(super) trait Syntax {
     }
     /// A comment on what follows.
     fn comment(&self, text: &str) -> String;
-    /// The lines and the values of a body in loops, where it is written so.
-    fn rolled(&self, _writer: &Writer<'_, '_>) -> Option<(Vec<String>, Vec<String>)> {
+    /// How it writes loops over the links of a long chain, if it does.
+    fn loops(&self) -> Option<&dyn Loops> {
         None
     }
     /// The statements of a block.
@@ -299,7 +300,7 @@ impl<'d> Walk<'d> {
     ) -> (Vec<String>, Vec<String>) {
         let body = Body::new(program, components, &self.names, scope);
         let writer = Writer { body: &body, syntax, library_sines: self.library_sines };
-        if let Some((lines, values)) = syntax.rolled(&writer) {
+        if let Some((lines, values)) = syntax.loops().and_then(|loops| rolled::lines(&writer, loops)) {
             // Loops read components of arguments where they need them.
             let is_argument = |symbol: &Symbol| matches!(self.place(*symbol), Some(Place::Argument(..)));
             let begin = self.begin(&writer, |symbol| !is_argument(symbol));

@@ -22,13 +22,14 @@ mod statement;
 mod tests;
 
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use crate::emit::{self, Language, Options};
 use crate::optimise::Derivation;
 use crate::verify::Failure;
 
 use super::misprint;
-use super::numbering::Numbering;
+use super::numbering::{Number, Numbering};
 use super::reading::Reading;
 use super::token::{Kind, Token, tokens};
 use dialect::{Dialect, Family};
@@ -82,6 +83,8 @@ fn read(
         at: 0,
         table: expected.table.clone(),
         names: HashMap::new(),
+        kept: HashMap::new(),
+        turn: None,
         hoisted: HashMap::new(),
         declared: Vec::new(),
         given: Vec::new(),
@@ -119,11 +122,18 @@ impl Comparison<'_, '_> {
             }
             let slot = token.text.trim_matches(['⟨', '⟩']);
             match slot.split_once(' ').unwrap_or((slot, "")) {
+                ("", _) if let Some((array, _)) = template.get(i + 1).and_then(stored) => {
+                    self.reader.statements(|reader| reader.is_storing(array))?;
+                }
                 ("", _) => {
                     let begins = |token: &&Token<'_>| token.text.starts_with("⟨function");
                     let behind = template[i + 1..].iter().filter(|token| !begins(token)).copied();
                     let run: Vec<Token<'_>> = behind.take_while(|token| token.kind != Kind::Slot).collect();
                     self.reader.statements(|reader| follows(reader, &run))?;
+                }
+                ("stored", _) => {
+                    let (array, slots) = stored(token).ok_or("a slot names no array")?;
+                    self.stored(array, slots)?;
                 }
                 ("function", number) => self.enter(number.parse().unwrap_or_default()),
                 ("fields", _) => self.fields()?,
@@ -134,13 +144,9 @@ impl Comparison<'_, '_> {
                 ("shared", _) => self.shared()?,
                 ("imports", _) => self.imports()?,
                 (number, _) => {
-                    let expected = self.sheet.numbers[number.parse::<usize>().map_err(|_| "a slot is not numbered")?];
+                    let slot = number.parse::<usize>().map_err(|_| "a slot is not numbered")?;
                     let found = self.reader.expression()?;
-                    if found != expected {
-                        let differ = self.reader.numbering.difference(found, expected);
-                        let [found, expected] = differ.map(|number| self.reader.numbering.shown(number));
-                        return Err(format!("`{found}` instead of `{expected}`"));
-                    }
+                    self.is_expected(found, slot)?;
                 }
             }
         }
@@ -149,6 +155,33 @@ impl Comparison<'_, '_> {
             return self.reader.unknown();
         }
         self.finished()
+    }
+
+    /// An error unless it is what is to stand in this slot.
+    fn is_expected(&mut self, found: Number, slot: usize) -> Reading<()> {
+        let (expected, numbering) = (self.sheet.numbers[slot], &self.reader.numbering);
+        if found == expected {
+            return Ok(());
+        }
+        let [found, expected] = numbering.difference(found, expected).map(|number| numbering.shown(number));
+        Err(format!("`{found}` instead of `{expected}`"))
+    }
+
+    /// What is written to an array of the caller: one number after the other, or all of them in a loop.
+    fn stored(&mut self, array: &str, slots: Range<usize>) -> Reading<()> {
+        if self.reader.is_next("for") {
+            for (found, slot) in self.reader.kept_in_loop(array, slots.len())?.into_iter().zip(slots) {
+                self.is_expected(found, slot)?;
+            }
+            return Ok(());
+        }
+        for (place, slot) in slots.enumerate() {
+            [array, "[", &place.to_string(), "]", "="].into_iter().try_for_each(|word| self.reader.expect(word))?;
+            let found = self.reader.expression()?;
+            self.is_expected(found, slot)?;
+            self.reader.expect(";")?;
+        }
+        Ok(())
     }
 
     /// A token that is to be there as it is.
@@ -184,6 +217,7 @@ impl Comparison<'_, '_> {
         let scope = &self.sheet.scopes[number];
         self.function.clone_from(&scope.function);
         self.reader.names = scope.names.iter().cloned().collect();
+        self.reader.kept.clear();
         self.reader.is_constructor = scope.is_constructor;
     }
 
@@ -273,6 +307,14 @@ impl Comparison<'_, '_> {
             None => Ok(()),
         }
     }
+}
+
+/// `⟨stored result 7 12⟩`: the array, and the slots from one to another of what is written to it.
+fn stored<'s>(slot: &Token<'s>) -> Option<(&'s str, Range<usize>)> {
+    let mut words = slot.text.strip_prefix("⟨stored ")?.strip_suffix('⟩')?.split(' ');
+    let array = words.next()?;
+    let [first, end] = [words.next()?, words.next()?].map(|word| word.parse().ok());
+    Some((array, first?..end?))
 }
 
 /// Whether these tokens come next.

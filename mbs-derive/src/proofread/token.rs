@@ -69,7 +69,7 @@ pub(super) enum Lines {
 }
 
 /// Marks of more than one character; longer ones first.
-const MARKS: [&str; 14] = ["...", "..", "->", "<=", ">=", "==", "!=", "~=", "&&", "||", "++", "+=", "=>", "::"];
+const MARKS: [&str; 15] = ["...", "..", "->", "<=", ">=", "==", "!=", "~=", "&&", "||", "++", "+=", "-=", "=>", "::"];
 
 pub(super) fn tokens<'t>(text: &'t str, lexis: &Lexis) -> Reading<Vec<Token<'t>>> {
     let (mut tokens, mut at, mut depth) = (Vec::<Token<'t>>::new(), 0usize, 0usize);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use mbs_derive::Analysis;
-use mbs_derive::emit::Trigonometry;
+use mbs_derive::emit::{Options, Trigonometry};
 use mbs_derive::expr::{Binary, Function as Elementary, Graph, Rounded};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Completion, Derivation, Function, FunctionKind, Instruction, Program};
@@ -88,9 +88,18 @@ impl Case {
     /// If it declares no mechanism.
     #[must_use]
     pub fn new(name: &str, sources: &Sources) -> Case {
+        Case::with_options(name, sources, &Options::default())
+    }
+
+    /// Of a text, with the functions that are asked for.
+    ///
+    /// # Panics
+    /// If it declares no mechanism.
+    #[must_use]
+    pub fn with_options(name: &str, sources: &Sources, options: &Options) -> Case {
         let graph = Graph::verbatim();
-        let analysis = Analysis::of(sources, &graph).unwrap_or_else(|error| panic!("{}", error.render_in(sources)));
-        let of = analysis.into_programs();
+        let analysis = Analysis::with_options(sources, &graph, options);
+        let of = analysis.unwrap_or_else(|error| panic!("{}", error.render_in(sources))).into_programs();
         let mut random = Random::new(18);
         let mut states: Vec<(State, Vec<f64>)> = (0..STATES).map(|_| state(&of, &mut random)).collect();
         states[..2].iter_mut().for_each(|(state, _)| on_the_constraints(&of, state));

@@ -115,8 +115,26 @@ fn returned(values: &[Vec<String>], signature: &Signature) -> String {
     if signature.returns {
         return format!("    return {};\n", values[0][0]);
     }
-    let mut values = values.iter().flatten();
-    signature.outputs.iter().map(|(name, count)| assigned(name, values.by_ref().take(*count))).collect()
+    let values = values.iter().filter(|values| !values.is_empty()).zip(&signature.outputs);
+    values.map(|(values, (name, _))| copied(name, values).unwrap_or_else(|| assigned(name, values.iter()))).collect()
+}
+
+/// A loop that copies what loops over links have left in one array.
+fn copied(name: &str, values: &[String]) -> Option<String> {
+    let component = |value: &String| {
+        let (array, place) = value.strip_suffix(']')?.split_once('[')?;
+        Some((array.to_string(), place.parse::<usize>().ok()?))
+    };
+    let (array, first) = component(values.first()?)?;
+    let is_whole = values.iter().zip(first..).all(|(value, place)| *value == format!("{array}[{place}]"));
+    let shift = if first > 0 { format!(" + {first}") } else { String::new() };
+    is_whole.then(|| {
+        let count = values.len();
+        format!(
+            "    for (int mbs_i = 0; mbs_i < {count}; mbs_i += 1) {{\n        \
+             {name}[mbs_i] = {array}[mbs_i{shift}];\n    }}\n"
+        )
+    })
 }
 
 /// The name of a function after the prefix.

@@ -1,5 +1,7 @@
 //! How values and statements are written in C.
 
+use super::super::name::ARGUMENTS;
+use super::super::rolled::Loops;
 use super::super::walk::{Place, Side, Syntax, Wanted, if_else, one_angle};
 use super::Header;
 use super::name::identifier;
@@ -35,8 +37,13 @@ pub(super) fn constant(value: f64) -> String {
 }
 
 impl Syntax for C<'_, '_> {
+    /// Of a component of an array with its index; arguments have their names.
     fn identifier(&self, name: &str) -> String {
-        identifier(name)
+        match name.split_once('[') {
+            Some((array, _)) if ARGUMENTS.contains(&array) => name.to_string(),
+            Some((array, index)) => format!("{}[{index}", identifier(array)),
+            None => identifier(name),
+        }
     }
 
     fn constant(&self, value: f64) -> String {
@@ -66,6 +73,11 @@ impl Syntax for C<'_, '_> {
 
     fn comment(&self, text: &str) -> String {
         format!("// {text}")
+    }
+
+    /// Kernels have no use for arrays of a long chain: each work item would have its own.
+    fn loops(&self) -> Option<&dyn Loops> {
+        (!self.header.has_kernels()).then_some(self)
     }
 
     fn bind(&self, name: &str, value: &str) -> String {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::super::body::Body;
 use super::super::expression::Tree;
 use super::super::name::Scope;
-use super::{Family, Form, Forms, Group, Home, Parts, Rolled, Run, Seeds, Sink, Step, argument};
+use super::{Family, Form, Forms, Group, Home, Loops, Parts, Rolled, Run, Seeds, Sink, Step, Turns, argument};
 
 /// An array with what it is called and the number of its first component.
 struct Array {
@@ -16,6 +16,7 @@ struct Array {
 
 /// Writes the steps.
 pub(super) struct Printer<'p> {
+    loops: &'p dyn Loops,
     parts: &'p Parts,
     runs: &'p [Run],
     forms: &'p Forms,
@@ -32,7 +33,14 @@ pub(super) struct Printer<'p> {
 }
 
 impl<'p> Printer<'p> {
-    pub(super) fn new(body: &Body<'_>, parts: &'p Parts, runs: &'p [Run], forms: &'p Forms, seeds: &Seeds) -> Self {
+    pub(super) fn new(
+        body: &Body<'_>,
+        loops: &'p dyn Loops,
+        parts: &'p Parts,
+        runs: &'p [Run],
+        forms: &'p Forms,
+        seeds: &Seeds,
+    ) -> Self {
         let mut scope = body.scope.clone();
         let mut run_of = vec![None; parts.groups.len()];
         for (number, run) in runs.iter().enumerate() {
@@ -73,6 +81,7 @@ impl<'p> Printer<'p> {
         locals.extend(vec![String::new(); singles]);
         let (texts, tables) = (BTreeMap::new(), Vec::new());
         Printer {
+            loops,
             parts,
             runs,
             forms,
@@ -94,7 +103,8 @@ impl<'p> Printer<'p> {
         loop {
             if self.parts.sines_at == Some(group) {
                 let names = [0, 1].map(|which| self.arrays[&Family::OfAngles(which)].name.clone());
-                steps.push(Step::SinesAndCosines(names, self.angles.clone()));
+                let (angles, count) = (self.angles.clone(), self.parts.angles.len());
+                steps.push(Step::SinesAndCosines { names, angles, count });
                 let locals: Vec<usize> = self.parts.angles.iter().flatten().flatten().copied().collect();
                 locals.into_iter().for_each(|local| self.seed(local, &mut steps));
             }
@@ -230,7 +240,8 @@ impl<'p> Printer<'p> {
         let count = groups.len() as i64;
         let range = if *step < 0 { first - count + *period as i64..first + 1 } else { first..first + count };
         let [first, end] = [range.start, range.end].map(|number| usize::try_from(number).unwrap_or(0));
-        Step::Loop { index: self.index.clone(), first, end, stride: *period, is_inwards: *step < 0, steps }
+        let turns = Turns { index: self.index.clone(), first, end, stride: *period, is_inwards: *step < 0 };
+        Step::Loop(turns, steps)
     }
 
     /// The statements of the groups at this place in the turns of a loop.
@@ -282,7 +293,7 @@ impl<'p> Printer<'p> {
                             1 => entry,
                             _ => format!("[({}) / {period}]", entry.trim_matches(['[', ']'])),
                         };
-                        self.text(format!("T::from_f64({table}{entry})"))
+                        self.text(self.loops.number(&format!("{table}{entry}")))
                     }
                 }
             });

@@ -44,21 +44,22 @@ const FORK: &str = "mechanism Chain {
 /// The text of inverse and forward dynamics, and whether it is right with this in the place of that, wherever it stands
 /// in the loops.
 fn emitted(links: usize, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
-    emitted_of(&chain(links), mutations)
+    emitted_of(&chain(links), Language::Rust, mutations)
 }
 
-fn emitted_of(text: &str, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
+fn emitted_of(text: &str, language: Language, mutations: &[(&str, &str)]) -> (String, Vec<bool>) {
     let graph = Graph::verbatim();
     let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
     let analysis = Analysis::with_options(&Sources::new("chain.mbs", text), &graph, &options).unwrap();
     let programs = analysis.programs();
-    let code = Language::Rust.write(programs, "chain.mbs", &options);
-    programs.proofread(Language::Rust, &options, &code).unwrap();
+    let code = language.write(programs, "chain.mbs", &options);
+    programs.proofread(language, &options, &code).unwrap();
+    let begin = if language == Language::Rust { "for i in (" } else { "for (int i = " };
     let is_right = |(from, to): &(&str, &str)| {
-        let (before, behind) = code.split_once("for i in (").expect("a loop");
+        let (before, behind) = code.split_once(begin).expect("a loop");
         assert!(behind.contains(from), "{from}");
-        let wrong = format!("{before}for i in ({}", behind.replacen(from, to, 1));
-        programs.proofread(Language::Rust, &options, &wrong).is_ok()
+        let wrong = format!("{before}{begin}{}", behind.replacen(from, to, 1));
+        programs.proofread(language, &options, &wrong).is_ok()
     };
     let right = mutations.iter().map(is_right).collect();
     (code, right)
@@ -89,7 +90,36 @@ fn loops_are_read_again_turn_by_turn() {
 }
 
 #[test]
+fn loops_of_c_are_read_again_turn_by_turn() {
+    let mutations = [
+        ("; i < ", "; i <= "),
+        ("; i -= 1", "; i -= 2"),
+        ("[i]", "[i - 1]"),
+        ("[i - 1]", "[i]"),
+        (" = sines", " = cosines"),
+        ("q[i", "qd[i"),
+        ("result[mbs_i] = results[mbs_i]", "result[mbs_i] = results[0]"),
+        ("mbs_i < 40", "mbs_i < 39"),
+        ("mbs_i = 0", "mbs_i = 1"),
+    ];
+    let (code, right) = emitted_of(&chain(40), Language::C, &mutations);
+    assert_eq!(right, [false; 9]);
+    let (longer, _) = emitted_of(&chain(60), Language::C, &[]);
+    // Numbers alone grow.
+    let [lines, more] = [&code, &longer].map(|code| code.lines().filter(|line| line.contains(" = ")).count());
+    assert!(lines.abs_diff(more) * 20 < lines, "{lines} {more}");
+}
+
+#[test]
+fn kernels_are_written_without_loops() {
+    let (code, _) = emitted_of(&chain(40), Language::Cuda, &[]);
+    assert!(!code.contains("for (int i = 1;"));
+}
+
+#[test]
 fn trees_of_several_chains_are_right_whatever_is_rolled_of_them() {
-    let (code, _) = emitted_of(FORK, &[]);
-    assert!(code.contains("fn forward_dynamics"));
+    for (language, function) in [(Language::Rust, "fn forward_dynamics"), (Language::C, "chain_forward_dynamics")] {
+        let (code, _) = emitted_of(FORK, language, &[]);
+        assert!(code.contains(function));
+    }
 }

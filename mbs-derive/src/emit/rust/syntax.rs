@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use super::super::body::{Block, Body, FAMILIAR, familiar};
 use super::super::expression::Tree;
 use super::super::name::{escaped, table};
+use super::super::rolled::Loops;
 use super::super::walk::{Place, Side, Syntax, Walk, Wanted, Writer, plain};
 use super::shape::array_of;
-use super::{Module, loops, segment};
+use super::{Module, segment};
 
 /// At most this many fields are bound to locals; of more, each is read as `self.k12`.
 const FIELDS: usize = 8;
@@ -211,8 +212,8 @@ impl Syntax for Rust<'_, '_> {
         marked(text)
     }
 
-    fn rolled(&self, writer: &Writer<'_, '_>) -> Option<(Vec<String>, Vec<String>)> {
-        loops::lines(writer)
+    fn loops(&self) -> Option<&dyn Loops> {
+        Some(self)
     }
 
     fn block(&self, block: &Block, writer: &Writer<'_, '_>) -> Vec<String> {

@@ -243,7 +243,7 @@ fn function(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>, prefix: &str) -> S
         Ending::Values if signature.returns => format!("⟨⟩ return {};", routine.values[0][0]),
         Ending::Values => {
             let parts = routine.values.iter().filter(|values| !values.is_empty()).zip(&signature.outputs);
-            format!("⟨⟩ {}", parts.map(|(values, (name, _))| assigned(name, values)).collect::<String>())
+            format!("⟨⟩ {}", parts.map(|(values, (name, _))| stored(name, values)).collect::<String>())
         }
         Ending::Solve { in_motion } => {
             let before = match in_motion {
@@ -335,6 +335,13 @@ fn slopes(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>, signature: &Signatur
         start += width;
     }
     text
+}
+
+/// What is written to an array of the caller: slots that follow each other.
+fn stored(name: &str, values: &[String]) -> String {
+    let number = |slot: &String| slot.trim_matches(['⟨', '⟩']).parse::<usize>().unwrap_or_default();
+    let first = values.first().map_or(0, number);
+    format!("⟨stored {name} {first} {}⟩\n", first + values.len())
 }
 
 fn assigned(name: &str, values: &[String]) -> String {

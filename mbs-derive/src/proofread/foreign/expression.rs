@@ -15,6 +15,8 @@ pub(super) enum Value {
     Number(Number),
     /// Numbers row by row, and how many there are along each axis.
     Array(Rc<[usize]>, Rc<[Number]>),
+    /// This many numbers, which are given one by one: those of `Reader::kept`.
+    Kept(usize),
 }
 
 impl Value {
@@ -38,6 +40,15 @@ enum Open {
     Not,
 }
 
+/// A turn of a loop.
+pub(super) struct Turn<'t> {
+    /// What the index is called, and its value in this turn.
+    pub(super) index: &'t str,
+    pub(super) value: usize,
+    /// Names that have values in this turn alone.
+    pub(super) bound: Vec<&'t str>,
+}
+
 /// Reads the tokens of a text.
 pub(super) struct Reader<'r, 't> {
     pub(super) dialect: &'r Dialect,
@@ -50,6 +61,10 @@ pub(super) struct Reader<'r, 't> {
     pub(super) table: String,
     /// The variables of the function that is read.
     pub(super) names: HashMap<String, Value>,
+    /// What has been given to those of them that are given numbers one by one.
+    pub(super) kept: HashMap<String, Vec<Option<Number>>>,
+    /// The loop that is read, if one is.
+    pub(super) turn: Option<Turn<'t>>,
     /// What the constructor has computed, by the names of fields.
     pub(super) hoisted: HashMap<&'t str, Number>,
     /// The fields that were declared for it, and those that were given values.
@@ -272,11 +287,18 @@ impl<'t> Reader<'_, 't> {
                 let place = self.index(path, &lengths)?;
                 Ok(Some(numbers[place]))
             }
+            Value::Kept(count) => {
+                let place = self.index(path, &[count])?;
+                match self.kept.get(path).and_then(|numbers| numbers[place]) {
+                    Some(number) => Ok(Some(number)),
+                    None => Err(format!("`{path}[{place}]` has no value yet")),
+                }
+            }
         }
     }
 
     /// `[i][j]`, `[..., i, j]`, `(i, j)`: the place among all numbers.
-    fn index(&mut self, path: &str, lengths: &[usize]) -> Reading<usize> {
+    pub(super) fn index(&mut self, path: &str, lengths: &[usize]) -> Reading<usize> {
         let [open, close] = self.dialect.index;
         let (is_c_like, is_python) = (self.dialect.has_choices, self.dialect.family == Family::Python);
         let mut place = 0;
@@ -291,12 +313,41 @@ impl<'t> Reader<'_, 't> {
                 let between: &[&str] = if is_c_like { &["]", "["] } else { &[","] };
                 between.iter().try_for_each(|mark| self.expect(mark))?;
             }
-            match self.integer()?.checked_sub(self.dialect.first) {
+            match self.place()?.checked_sub(self.dialect.first) {
                 Some(index) if index < *length => place = place * length + index,
                 _ => return self.unknown(),
             }
         }
         self.expect(close).map(|()| place)
+    }
+
+    /// `3`; in a loop also `i`, `i - 1`, `i + 2`, `(i - 1) / 2`.
+    fn place(&mut self) -> Reading<usize> {
+        let is_divided = self.takes("(");
+        let turn = self.turn.as_ref().map(|turn| (turn.index, turn.value));
+        let mut place = match turn.filter(|(index, _)| self.is_next(index)) {
+            Some((_, value)) => {
+                self.at += 1;
+                value
+            }
+            None => self.integer()?,
+        };
+        let sum = if self.takes("+") {
+            place.checked_add(self.integer()?)
+        } else if self.takes("-") {
+            place.checked_sub(self.integer()?)
+        } else {
+            Some(place)
+        };
+        let Some(sum) = sum else { return self.unknown() };
+        place = sum;
+        if is_divided {
+            self.expect(")")?;
+            self.expect("/")?;
+            let divisor = self.integer()?;
+            place = if divisor > 0 { place / divisor } else { return self.unknown() };
+        }
+        Ok(place)
     }
 
     /// A function by its name, and the bracket behind it.

@@ -1,4 +1,6 @@
-//! Statements that give values names: bindings, sines and cosines, branches, fields of the constructor.
+//! Statements that give values names: bindings, sines and cosines, loops, branches, fields of the constructor.
+
+use std::rc::Rc;
 
 use crate::expr::Function;
 
@@ -6,7 +8,10 @@ use super::super::numbering::Number;
 use super::super::reading::Reading;
 use super::super::token::Kind;
 use super::dialect::Family;
-use super::expression::{Reader, Value};
+use super::expression::{Reader, Turn, Value};
+
+/// How many tokens a loop has before its first statement.
+const BODY_OF_LOOP: usize = 16;
 
 /// A side of a branch that is open, and what is known of the other one.
 pub(super) struct Side<'t> {
@@ -40,6 +45,11 @@ impl<'t> Reader<'_, 't> {
         let Some(token) = self.peek() else { return self.unknown() };
         match (family, token.text) {
             (Family::C, "const") => self.constant_of_c(sides),
+            (Family::C, "static") if sides.is_empty() => {
+                self.at += 1;
+                self.constant_of_c(sides)
+            }
+            (Family::C, "for") if sides.is_empty() => self.repeated(),
             (Family::C, "mbs_real") | (Family::Js, "let") => self.declared(sides),
             (Family::C | Family::Js, "}") => self.end_of_side(sides),
             (Family::Matlab, "else" | "end") => self.end_of_side(sides),
@@ -77,6 +87,8 @@ impl<'t> Reader<'_, 't> {
         self.names.insert(name.to_string(), value);
         if let Some(side) = sides.last_mut() {
             side.bound.push(name);
+        } else if let Some(turn) = &mut self.turn {
+            turn.bound.push(name);
         }
         Ok(())
     }
@@ -147,7 +159,7 @@ impl<'t> Reader<'_, 't> {
         self.expression()
     }
 
-    /// `const mbs_real name = value;`, or `const mbs_real angles[2] = {a, b};`
+    /// `const mbs_real name = value;`, or `const mbs_real angles[2] = {a, b};`, with or without a comma at the end
     fn constant_of_c(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
         self.expect("const")?;
         self.expect("mbs_real")?;
@@ -157,15 +169,15 @@ impl<'t> Reader<'_, 't> {
         let (name, count) = self.array()?;
         self.expect("=")?;
         self.expect("{")?;
-        let mut angles = vec![self.expression()?];
-        while self.takes(",") {
-            angles.push(self.expression()?);
+        let mut numbers = vec![self.expression()?];
+        while self.takes(",") && !self.is_next("}") {
+            numbers.push(self.expression()?);
         }
         self.expect("}")?;
-        if angles.len() != count {
+        if numbers.len() != count {
             return Err(format!("`{name}` has another number of entries"));
         }
-        self.bind(name, Value::list(angles), sides)?;
+        self.bind(name, Value::list(numbers), sides)?;
         self.ended()
     }
 
@@ -177,9 +189,13 @@ impl<'t> Reader<'_, 't> {
         self.expect("]").map(|()| (name, count))
     }
 
-    /// `mbs_real sines[2], cosines[2]; mbs_sin_cos_all(2, angles, sines, cosines);`
+    /// `mbs_real kept[2];`, or `mbs_real sines[2], cosines[2]; mbs_sin_cos_all(2, angles, sines, cosines);`
     fn arrays(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
         let (sines, count) = self.array()?;
+        if self.takes(";") {
+            self.kept.insert(sines.to_string(), vec![None; count]);
+            return self.bind(sines, Value::Kept(count), sides);
+        }
         self.expect(",")?;
         let (cosines, other) = self.array()?;
         self.ended()?;
@@ -194,6 +210,10 @@ impl<'t> Reader<'_, 't> {
             {
                 angles.clone()
             }
+            Some(Value::Kept(length)) if [count, other, called] == [*length; 3] => {
+                let angles: Option<Rc<[Number]>> = self.kept.get(given).and_then(|all| all.iter().copied().collect());
+                angles.ok_or_else(|| format!("`{given}` has not all of its values"))?
+            }
             _ => return self.unknown(),
         };
         [",", sines, ",", cosines, ")"].into_iter().try_for_each(|word| self.expect(word))?;
@@ -202,6 +222,78 @@ impl<'t> Reader<'_, 't> {
             self.bind(name, Value::list(values), sides)?;
         }
         self.ended()
+    }
+
+    // ---- loops
+
+    /// `name[i] = value;` of an array whose numbers are given one by one, each once.
+    fn keep(&mut self, name: &'t str, count: usize) -> Reading<()> {
+        self.at += 1;
+        let place = self.index(name, &[count])?;
+        self.expect("=")?;
+        let value = self.expression()?;
+        match self.kept.get_mut(name).map(|numbers| numbers[place].replace(value)) {
+            Some(None) => self.ended(),
+            _ => Err(format!("`{name}[{place}]` has a value already")),
+        }
+    }
+
+    /// Whether what comes next is written to an array of the caller: `result[…`, or
+    /// `for (int i = 0; i < 9; i += 1) { result[…`.
+    pub(super) fn is_storing(&self, array: &str) -> bool {
+        let ahead = if self.is_next("for") { BODY_OF_LOOP } else { 0 };
+        self.tokens.get(self.at + ahead).is_some_and(|token| token.is(array))
+    }
+
+    /// The numbers that a loop writes to an array of the caller.
+    pub(super) fn kept_in_loop(&mut self, array: &str, count: usize) -> Reading<Vec<Number>> {
+        self.names.insert(array.to_string(), Value::Kept(count));
+        self.kept.insert(array.to_string(), vec![None; count]);
+        self.repeated()?;
+        self.names.remove(array);
+        let numbers: Option<Vec<Number>> = self.kept.remove(array).into_iter().flatten().collect();
+        numbers.ok_or_else(|| format!("`{array}` has not all of its values"))
+    }
+
+    /// `for (int i = 1; i < 9; i += 2) { … }`, or `for (int i = 7; i >= 1; i -= 2) { … }`: read once for each turn.
+    fn repeated(&mut self) -> Reading<()> {
+        if self.turn.is_some() {
+            return self.unknown();
+        }
+        ["for", "(", "int"].into_iter().try_for_each(|word| self.expect(word))?;
+        let index = self.name()?;
+        if self.names.contains_key(index) {
+            return Err(format!("`{index}` has a value already"));
+        }
+        self.expect("=")?;
+        let first = self.integer()?;
+        [";", index].into_iter().try_for_each(|word| self.expect(word))?;
+        let is_inwards = self.takes(">=");
+        if !is_inwards {
+            self.expect("<")?;
+        }
+        let end = self.integer()?;
+        [";", index, if is_inwards { "-=" } else { "+=" }].into_iter().try_for_each(|word| self.expect(word))?;
+        let stride = self.integer()?;
+        [")", "{"].into_iter().try_for_each(|word| self.expect(word))?;
+        let values: Vec<usize> = match (stride, is_inwards) {
+            (0, _) => Vec::new(),
+            (stride, false) => (first..end).step_by(stride).collect(),
+            (stride, true) => (end..=first).rev().step_by(stride).collect(),
+        };
+        if values.is_empty() {
+            return Err("a loop has no turns".to_string());
+        }
+        let start = self.at;
+        for value in values {
+            self.at = start;
+            self.turn = Some(Turn { index, value, bound: Vec::new() });
+            self.statements(|reader| reader.is_next("}"))?;
+            for name in self.turn.take().into_iter().flat_map(|turn| turn.bound) {
+                self.names.remove(name);
+            }
+        }
+        self.expect("}")
     }
 
     // ---- branches
@@ -247,13 +339,20 @@ impl<'t> Reader<'_, 't> {
         Ok(())
     }
 
-    /// `name = value;` of a name that was declared before the branch.
+    /// `name = value;` of a name that was declared before the branch, or `name[i] = value;`.
     fn assignment(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
         let is_declared = |side: &Side<'t>| {
             let name = self.peek().map_or("", |token| token.text);
             side.declared.as_ref().is_some_and(|names| names.contains(&name))
         };
-        if sides.last().is_some_and(is_declared) { self.binding(sides) } else { self.unknown() }
+        if sides.last().is_some_and(is_declared) {
+            return self.binding(sides);
+        }
+        let name = self.peek().filter(|_| sides.is_empty()).map_or("", |token| token.text);
+        match self.names.get(name) {
+            Some(&Value::Kept(count)) => self.keep(name, count),
+            _ => self.unknown(),
+        }
     }
 
     /// `} else {` or `}`

@@ -1,0 +1,45 @@
+//! What loops over the links of a long chain need in C.
+
+use super::super::rolled::{Loops, Turns};
+use super::WIDEST;
+use super::syntax::{C, constant};
+
+impl Loops for C<'_, '_> {
+    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
+        let mut lines = vec![format!("static const mbs_real {name}[{}] = {{", numbers.len()), "   ".to_string()];
+        for &number in numbers {
+            let number = format!(" {},", constant(number));
+            match lines.last_mut().filter(|line| line.len() + number.len() <= WIDEST) {
+                Some(line) => line.push_str(&number),
+                None => lines.push(format!("   {number}")),
+            }
+        }
+        lines.push("};".to_string());
+        lines
+    }
+
+    fn number(&self, component: &str) -> String {
+        component.to_string()
+    }
+
+    fn array(&self, name: &str, count: usize) -> String {
+        format!("mbs_real {name}[{count}];")
+    }
+
+    fn sines_and_cosines(&self, [sines, cosines]: &[String; 2], angles: &str, count: usize) -> Vec<String> {
+        vec![
+            format!("mbs_real {sines}[{count}], {cosines}[{count}];"),
+            format!("mbs_sin_cos_all({count}, {angles}, {sines}, {cosines});"),
+        ]
+    }
+
+    fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
+        let Turns { index, first, end, stride, is_inwards } = turns;
+        let head = match is_inwards {
+            false => format!("for (int {index} = {first}; {index} < {end}; {index} += {stride}) {{"),
+            true => format!("for (int {index} = {}; {index} >= {first}; {index} -= {stride}) {{", turns.last()),
+        };
+        let inside = statements.into_iter().map(|line| format!("    {line}"));
+        std::iter::once(head).chain(inside).chain(["}".to_string()]).collect()
+    }
+}

@@ -1,0 +1,49 @@
+//! The lines of a body in loops, in any language that can write them.
+
+use super::super::walk::Writer;
+use super::{Step, Turns, rolled};
+
+/// How a language writes what loops need beside statements.
+pub(in crate::emit) trait Loops {
+    /// A table of numbers.
+    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String>;
+    /// A component of a table, as a value.
+    fn number(&self, component: &str) -> String;
+    /// An array whose components are given values one after the other.
+    fn array(&self, name: &str, count: usize) -> String;
+    /// Arrays of the sines and the cosines of this many angles.
+    fn sines_and_cosines(&self, names: &[String; 2], angles: &str, count: usize) -> Vec<String>;
+    /// Statements that are carried out once a turn.
+    fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String>;
+}
+
+/// The lines of a body of a long chain, and its values; `None` where it is not written in loops.
+pub(in crate::emit) fn lines(writer: &Writer<'_, '_>, loops: &dyn Loops) -> Option<(Vec<String>, Vec<String>)> {
+    let (body, syntax) = (writer.body, writer.syntax);
+    let rolled = Some(body).filter(|body| body.is_of_long_chain).and_then(|body| rolled(body, loops))?;
+    let tables = rolled.tables.iter().flat_map(|(name, numbers)| loops.table(&syntax.identifier(name), numbers));
+    let arrays = rolled.arrays.iter().map(|(name, count)| loops.array(&syntax.identifier(name), *count));
+    let mut lines: Vec<String> = tables.chain(arrays).collect();
+    let renamed = body.renamed(rolled.locals);
+    let writer = Writer { body: &renamed, ..*writer };
+    lines.extend(rolled.steps.iter().flat_map(|step| of_step(step, &writer, loops)));
+    Some((lines, rolled.results.iter().map(|tree| writer.print(tree)).collect()))
+}
+
+fn of_step(step: &Step, writer: &Writer<'_, '_>, loops: &dyn Loops) -> Vec<String> {
+    let syntax = writer.syntax;
+    let name = |local: &usize| syntax.identifier(&writer.body.locals[*local]);
+    match step {
+        Step::Let(local, tree) => vec![syntax.bind(&name(local), &writer.print(tree))],
+        Step::Keep(place, tree) => vec![format!("{} = {};", name(place), writer.print(tree))],
+        Step::Link(link) => vec![syntax.comment(&format!("Link {link}."))],
+        Step::Links([first, last]) => vec![syntax.comment(&format!("Links {first} to {last}."))],
+        Step::SinesAndCosines { names, angles, count } => {
+            let names = names.each_ref().map(|name| syntax.identifier(name));
+            loops.sines_and_cosines(&names, &syntax.identifier(angles), *count)
+        }
+        Step::Loop(turns, steps) => {
+            loops.repeated(turns, steps.iter().flat_map(|step| of_step(step, writer, loops)).collect())
+        }
+    }
+}
