@@ -110,9 +110,10 @@ pub(crate) fn derived_by<'g>(
     let has_outputs = !lagrangian.outputs.is_empty() || !lagrangian.reactions.is_empty();
     let is_long = symbols.q.len() > FEW_COORDINATES;
     let may_leave_out = left_out.mass_matrix && is_long && (left_out.outputs || !has_outputs);
-    let leaves_out_of_chain = left_out.mass_matrix && is_long && is_long_chain && lagrangian.constraints.is_empty();
+    let is_chain = lifted.as_ref().is_some_and(Lifted::has_all_inertia);
+    let leaves_out_of_chain = left_out.mass_matrix && is_long && is_chain && lagrangian.constraints.is_empty();
     let left_out = LeftOut { mass_matrix: leaves_out_of_chain, ..left_out };
-    let plain = (!is_long_chain).then(|| lagrange::equations(energies, symbols, left_out));
+    let plain = (!is_long_chain && !leaves_out_of_chain).then(|| lagrange::equations(energies, symbols, left_out));
     let rest_of = |lifted: &Lifted<'g>, left_out| lagrange::equations(&lifted.rest, symbols, left_out);
     let rest = lifted.as_ref().map(|lifted| rest_of(lifted, left_out));
     let by_bodies = |masses| {

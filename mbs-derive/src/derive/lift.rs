@@ -1,6 +1,6 @@
 //! Bodies and gravity, found again among the declared energies.
 
-use crate::expr::{Expr, Graph, Matrix, Vector, evaluate};
+use crate::expr::{Expr, Graph, Matrix, Node, Symbol, Vector, evaluate};
 use crate::model::lagrangian::Application;
 use crate::model::landmark::Place;
 use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
@@ -38,6 +38,14 @@ impl Lifted<'_> {
     /// Whether T and V are bodies and their weight and nothing else, on joints that follow the coordinates linearly.
     pub(crate) fn is_all(&self) -> bool {
         self.rest.lagrangian.is_zero() && self.linkage.is_linear()
+    }
+
+    /// Whether nothing but bodies, on such joints, has inertia: what is left is of the coordinates alone, as springs
+    /// are.
+    pub(crate) fn has_all_inertia(&self) -> bool {
+        let graph = self.rest.lagrangian.graph();
+        let moves = |id| matches!(graph.node(id), Node::Symbol(Symbol::Velocity(_)));
+        self.linkage.is_linear() && !graph.reachable([self.rest.lagrangian.id()]).into_iter().any(moves)
     }
 }
 
