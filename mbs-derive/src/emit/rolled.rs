@@ -3,7 +3,7 @@
 //! Groups of statements of links that follow each other, outwards or inwards, are one loop where they are the same
 //! trees: with own locals in the place of own locals, those of the neighbour, or of the same link in an earlier sweep,
 //! in the place of those, arguments of the neighbour in the place of arguments, and numbers in the place of numbers,
-//! which then come from a table. Signs may alternate: then the groups of two links are a turn of the loop. What other
+//! which then come from a table, as parameters and what is known before the loop come from a list. Signs may alternate: then the groups of two links are a turn of the loop. What other
 //! groups read is kept in arrays with a component for each link. Run through, the loops are the statements that there
 //! were, and their values have the same bits.
 //!
@@ -59,6 +59,8 @@ struct Rolled {
 enum Step {
     /// `let local = tree;`
     Let(usize, Tree),
+    /// `let list = [tree, tree];`
+    List(String, Vec<Tree>),
     /// `array[i] = tree;`
     Keep(usize, Tree),
     /// What follows is of this link.
@@ -115,12 +117,15 @@ enum Token {
     Own(usize),
     /// One of another group.
     Other,
+    /// An angle or a result that is just the local of a statement of a group.
+    Statement(usize),
     Number,
     /// Component of an argument.
     Argument(&'static str),
+    /// A parameter, or what depends on parameters alone.
+    Given,
     /// What is the same for all links.
     Symbol(Symbol),
-    Hoisted(u32),
 }
 
 /// Where a local is bound.
@@ -163,6 +168,7 @@ enum Form {
     Component(Family, i64),
     Argument(&'static str, i64),
     Table(Vec<u64>),
+    List(Vec<Tree>),
 }
 
 /// The body in loops; `None` where nothing is gained, or where there are branches.
@@ -250,8 +256,16 @@ impl Parts {
                 Some(Home::Binding(other, at)) if *other == number => Some(*at),
                 _ => None,
             };
-            for (_, tree) in &group.bindings {
-                describe(tree, &own, &mut group.shape, &mut group.leaves);
+            match (group.sink, group.bindings.as_slice()) {
+                (Some(_), [(_, tree @ Tree::Local(local))])
+                    if let Some(Home::Binding(_, at)) = parts.homes.get(local) =>
+                {
+                    group.shape.push(Token::Statement(*at));
+                    group.leaves.push(tree.clone());
+                }
+                (_, bindings) => {
+                    bindings.iter().for_each(|(_, tree)| describe(tree, &own, &mut group.shape, &mut group.leaves));
+                }
             }
         }
         Some(parts)
@@ -278,7 +292,9 @@ impl Parts {
             let follows = group.number - before.number == step && group.sink == before.sink;
             // A component of an array is bound at each place of a turn.
             let repeats = match end.checked_sub(period).filter(|before| *before >= start) {
-                Some(before) => group.shape == self.groups[before].shape,
+                Some(before) => {
+                    group.shape == self.groups[before].shape && self.are_apart(before, *end, step * period as i64)
+                }
                 None => group.bindings.len() == self.groups[start].bindings.len(),
             };
             follows && repeats && !excluded[*end] && self.sines_at != Some(*end)
@@ -287,6 +303,18 @@ impl Parts {
         let count = count - count % period;
         let is_one = step.abs() == 1 && !excluded[start] && count >= FEW.max(FEWEST_TURNS * period);
         is_one.then_some(Run { groups: start..start + count, step, period })
+    }
+
+    /// Whether two angles or results, where they are just locals of statements, are those of links this far apart.
+    fn are_apart(&self, before: usize, group: usize, distance: i64) -> bool {
+        let link = |group: usize| match self.groups[group].leaves.as_slice() {
+            [Tree::Local(local)] if self.groups[group].sink.is_some() => match self.homes.get(local) {
+                Some(Home::Binding(home, _)) => Some(self.groups[*home].number),
+                _ => None,
+            },
+            _ => None,
+        };
+        link(before).zip(link(group)).is_none_or(|(before, group)| group - before == distance)
     }
 
     /// How the leaves of the runs are written; or groups that differ from the others of their run.
@@ -324,22 +352,28 @@ impl Parts {
         let groups = || run.at(place).map(|group| (group, self.groups[group].number));
         let leaf_of = |group: usize| &self.groups[group].leaves[leaf];
         let middle = run.groups.start + place + run.groups.len() / run.period / 2 * run.period;
+        let is_known =
+            |leaf: &Tree| matches!(leaf, Tree::Local(local) if self.is_bound_before(*local, run.groups.start));
         if groups().all(|(group, _)| leaf_of(group) == leaf_of(middle)) {
             return Ok(Form::Same);
         }
         match leaf_of(middle) {
-            Tree::Constant(_) => {
+            Tree::Constant(_) | Tree::Hoisted(_) | Tree::Symbol(Symbol::Parameter(_)) => {
                 let others: Vec<usize> = run.at(place).filter(|&group| leaf_of(group) != leaf_of(middle)).collect();
                 if others.len() <= OTHERWISE {
                     let last_before = others.iter().rev().find(|&&group| group < middle);
                     return Err(*last_before.or(others.first()).unwrap_or(&middle));
                 }
-                let bits = groups().map(|(group, number)| match leaf_of(group) {
-                    Tree::Constant(value) => (number, value.to_bits()),
-                    _ => unreachable!("groups of a run have one shape"),
-                });
-                let by_number: BTreeMap<i64, u64> = bits.collect();
-                Ok(Form::Table(by_number.into_values().collect()))
+                let by_number: BTreeMap<i64, &Tree> =
+                    groups().map(|(group, number)| (number, leaf_of(group))).collect();
+                let bits =
+                    by_number.values().map(|tree| if let Tree::Constant(x) = tree { Some(x.to_bits()) } else { None });
+                Ok(bits.collect::<Option<_>>().map_or_else(|| list_of(&by_number), Form::Table))
+            }
+            Tree::Local(local)
+                if self.is_alone(*local, run_of) && groups().all(|(group, _)| is_known(leaf_of(group))) =>
+            {
+                Ok(list_of(&groups().map(|(group, number)| (number, leaf_of(group))).collect()))
             }
             Tree::Symbol(symbol) => {
                 let (argument, index) = argument(*symbol).ok_or(middle)?;
@@ -383,6 +417,19 @@ impl Parts {
         }
     }
 
+    /// Whether a local is bound by a group that is in no loop.
+    fn is_alone(&self, local: usize, run_of: &[Option<usize>]) -> bool {
+        matches!(self.homes[&local], Home::Binding(home, _) if run_of[home].is_none())
+    }
+
+    /// Whether a local has its value before a group.
+    fn is_bound_before(&self, local: usize, group: usize) -> bool {
+        match self.homes[&local] {
+            Home::Binding(home, _) => home < group,
+            Home::OfAngle(..) => self.sines_at.is_some_and(|sines_at| sines_at <= group),
+        }
+    }
+
     /// The local that a family has for a number by itself.
     fn member(&self, runs: &[Run], family: Family, number: i64) -> Option<usize> {
         match family {
@@ -397,12 +444,17 @@ impl Parts {
     }
 }
 
+/// A list of leaves, by their links.
+fn list_of(leaves: &BTreeMap<i64, &Tree>) -> Form {
+    Form::List(leaves.values().map(|&leaf| leaf.clone()).collect())
+}
+
 /// Adds what a tree is to a shape, and what may differ to the leaves.
 fn describe(tree: &Tree, own: &dyn Fn(usize) -> Option<usize>, shape: &mut Vec<Token>, leaves: &mut Vec<Tree>) {
     let token = match tree {
         Tree::Constant(_) => Token::Number,
+        Tree::Hoisted(_) | Tree::Symbol(Symbol::Parameter(_)) => Token::Given,
         Tree::Symbol(symbol) => argument(*symbol).map_or(Token::Symbol(*symbol), |(name, _)| Token::Argument(name)),
-        Tree::Hoisted(k) => Token::Hoisted(*k),
         Tree::Local(local) => own(*local).map_or(Token::Other, Token::Own),
         Tree::Neg(_) => Token::Operation("-a"),
         Tree::Add(..) => Token::Operation("+"),
@@ -417,7 +469,7 @@ fn describe(tree: &Tree, own: &dyn Fn(usize) -> Option<usize>, shape: &mut Vec<T
         Tree::Select(..) => Token::Operation("if"),
     };
     shape.push(token);
-    if matches!(token, Token::Other | Token::Number | Token::Argument(_)) {
+    if matches!(token, Token::Other | Token::Number | Token::Argument(_) | Token::Given) {
         leaves.push(tree.clone());
     }
     tree.children().into_iter().for_each(|child| describe(child, own, shape, leaves));

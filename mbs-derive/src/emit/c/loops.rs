@@ -6,16 +6,12 @@ use super::syntax::{C, constant};
 
 impl Loops for C<'_, '_> {
     fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
-        let mut lines = vec![format!("static const mbs_real {name}[{}] = {{", numbers.len()), "   ".to_string()];
-        for &number in numbers {
-            let number = format!(" {},", constant(number));
-            match lines.last_mut().filter(|line| line.len() + number.len() <= WIDEST) {
-                Some(line) => line.push_str(&number),
-                None => lines.push(format!("   {number}")),
-            }
-        }
-        lines.push("};".to_string());
-        lines
+        let numbers: Vec<String> = numbers.iter().map(|&number| constant(number)).collect();
+        listed(&format!("static const mbs_real {name}"), &numbers)
+    }
+
+    fn list(&self, name: &str, values: &[String]) -> Vec<String> {
+        listed(&format!("const mbs_real {name}"), values)
     }
 
     fn number(&self, component: &str) -> String {
@@ -42,4 +38,17 @@ impl Loops for C<'_, '_> {
         let inside = statements.into_iter().map(|line| format!("    {line}"));
         std::iter::once(head).chain(inside).chain(["}".to_string()]).collect()
     }
+}
+
+/// An array of these values, several in a line.
+fn listed(declared: &str, values: &[String]) -> Vec<String> {
+    let mut lines = vec![format!("{declared}[{}] = {{", values.len()), "   ".to_string()];
+    for value in values {
+        match lines.last_mut().filter(|line| line.len() + value.len() + 2 <= WIDEST) {
+            Some(line) => line.extend([" ", value, ","]),
+            None => lines.push(format!("    {value},")),
+        }
+    }
+    lines.push("};".to_string());
+    lines
 }

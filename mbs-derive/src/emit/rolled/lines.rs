@@ -7,6 +7,8 @@ use super::{Step, Turns, rolled};
 pub(in crate::emit) trait Loops {
     /// A table of numbers.
     fn table(&self, name: &str, numbers: &[f64]) -> Vec<String>;
+    /// A list of values.
+    fn list(&self, name: &str, values: &[String]) -> Vec<String>;
     /// A component of a table, as a value.
     fn number(&self, component: &str) -> String;
     /// An array whose components are given values one after the other.
@@ -35,6 +37,10 @@ fn of_step(step: &Step, writer: &Writer<'_, '_>, loops: &dyn Loops) -> Vec<Strin
     let name = |local: &usize| syntax.identifier(&writer.body.locals[*local]);
     match step {
         Step::Let(local, tree) => vec![syntax.bind(&name(local), &writer.print(tree))],
+        Step::List(list, values) => {
+            let values: Vec<String> = values.iter().map(|value| writer.print(value)).collect();
+            loops.list(&syntax.identifier(list), &values)
+        }
         Step::Keep(place, tree) => vec![format!("{} = {};", name(place), writer.print(tree))],
         Step::Link(link) => vec![syntax.comment(&format!("Link {link}."))],
         Step::Links([first, last]) => vec![syntax.comment(&format!("Links {first} to {last}."))],

@@ -2,6 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::expr::Symbol;
+
 use super::super::body::Body;
 use super::super::expression::Tree;
 use super::super::name::Scope;
@@ -30,6 +32,7 @@ pub(super) struct Printer<'p> {
     locals: Vec<String>,
     texts: BTreeMap<String, usize>,
     tables: Vec<(String, Vec<u64>)>,
+    lists: Vec<(String, Vec<Tree>)>,
 }
 
 impl<'p> Printer<'p> {
@@ -79,7 +82,7 @@ impl<'p> Printer<'p> {
         let singles = parts.groups.iter().filter(|group| group.sink.is_some()).count();
         let mut locals = body.locals.clone();
         locals.extend(vec![String::new(); singles]);
-        let (texts, tables) = (BTreeMap::new(), Vec::new());
+        let (texts, tables, lists) = (BTreeMap::new(), Vec::new(), Vec::new());
         Printer {
             loops,
             parts,
@@ -95,6 +98,7 @@ impl<'p> Printer<'p> {
             locals,
             texts,
             tables,
+            lists,
         }
     }
 
@@ -117,7 +121,12 @@ impl<'p> Printer<'p> {
                     if first.sink.is_none() {
                         steps.push(Step::Links([first.number, last.number]));
                     }
-                    steps.push(self.run(run));
+                    let (known, turns) = (self.lists.len(), self.run(run));
+                    for (name, values) in self.lists[known..].to_vec() {
+                        let values = values.iter().map(|value| self.leaf(value)).collect();
+                        steps.push(Step::List(name, values));
+                    }
+                    steps.push(turns);
                     for (local, _) in self.parts.groups[groups.clone()].iter().flat_map(|group| &group.bindings) {
                         self.seed(*local, &mut steps);
                     }
@@ -246,7 +255,7 @@ impl<'p> Printer<'p> {
 
     /// The statements of the groups at this place in the turns of a loop.
     fn turn(&mut self, run: usize, place: usize, steps: &mut Vec<Step>) {
-        let (forms, Run { groups, step, period }) = (&self.forms[run][place], &self.runs[run]);
+        let (forms, Run { groups, step, .. }) = (&self.forms[run][place], &self.runs[run]);
         let group = &self.parts.groups[groups.start + place];
         let ahead = place as i64 * step;
         let own: BTreeMap<usize, usize> =
@@ -274,7 +283,7 @@ impl<'p> Printer<'p> {
                 {
                     return Tree::Local(places[at].0);
                 }
-                if matches!(tree, Tree::Hoisted(_)) || matches!(tree, Tree::Symbol(s) if argument(*s).is_none()) {
+                if matches!(tree, Tree::Symbol(Symbol::Time | Symbol::Prescribed(..))) {
                     return tree.clone();
                 }
                 match forms.next() {
@@ -285,15 +294,12 @@ impl<'p> Printer<'p> {
                         self.text(self.shifted(name, shift + ahead - first))
                     }
                     Some(Form::Table(bits)) => {
-                        let table = self.table(bits.clone());
-                        let numbers = self.parts.groups[groups.clone()].iter().skip(place).step_by(*period);
-                        let least = numbers.map(|group| group.number).min().unwrap_or(0);
-                        let entry = self.shifted("", ahead - least);
-                        let entry = match period {
-                            1 => entry,
-                            _ => format!("[({}) / {period}]", entry.trim_matches(['[', ']'])),
-                        };
-                        self.text(self.loops.number(&format!("{table}{entry}")))
+                        let component = self.table(bits) + &self.entry(run, place);
+                        self.text(self.loops.number(&component))
+                    }
+                    Some(Form::List(values)) => {
+                        let component = self.list(values) + &self.entry(run, place);
+                        self.text(component)
                     }
                 }
             });
@@ -301,15 +307,36 @@ impl<'p> Printer<'p> {
         }
     }
 
-    /// The name of a table of these numbers.
-    fn table(&mut self, bits: Vec<u64>) -> String {
-        if let Some((name, _)) = self.tables.iter().find(|(_, known)| *known == bits) {
-            return name.clone();
+    /// `[i - 4]`: the index of what belongs to a link at this place in the turns of a loop, among all of its kind.
+    fn entry(&self, run: usize, place: usize) -> String {
+        let Run { groups, step, period } = &self.runs[run];
+        let numbers = self.parts.groups[groups.clone()].iter().skip(place).step_by(*period);
+        let least = numbers.map(|group| group.number).min().unwrap_or(0);
+        let entry = self.shifted("", place as i64 * step - least);
+        match period {
+            1 => entry,
+            _ => format!("[({}) / {period}]", entry.trim_matches(['[', ']'])),
         }
-        let name = self.scope.unique("NUMBERS");
-        self.tables.push((name.clone(), bits));
-        name
     }
+
+    /// The name of a table of these numbers.
+    fn table(&mut self, bits: &[u64]) -> String {
+        named(&mut self.tables, bits, || self.scope.unique("NUMBERS"))
+    }
+
+    /// The name of a list of these values.
+    fn list(&mut self, values: &[Tree]) -> String {
+        named(&mut self.lists, values, || self.scope.unique("values"))
+    }
+}
+
+/// What these are called; a name of their own where they are not known yet.
+fn named<T: Clone + PartialEq>(known: &mut Vec<(String, Vec<T>)>, of: &[T], name: impl FnOnce() -> String) -> String {
+    if let Some((name, _)) = known.iter().find(|(_, known)| known == of) {
+        return name.clone();
+    }
+    known.push((name(), of.to_vec()));
+    known[known.len() - 1].0.clone()
 }
 
 /// `w12x_a` → `wjx_a`: the name of a local with the number of its link left open.

@@ -22,6 +22,25 @@ fn chain(links: usize) -> String {
     )
 }
 
+/// A chain whose links have masses, lengths and springs of their own, which are parameters.
+fn rope(links: usize) -> String {
+    format!(
+        "mechanism Rope {{
+            param m[{links}]: kg = 1.4;
+            param l[{links}]: m = 0.25;
+            param k[{links}]: N*m/rad = 3;
+            coord q[{links}]: rad;
+            let mut link = world;
+            for i in 0..{links} {{
+                link = link * translation([l[i], 0, 0.05 m]) * rotation([0.4, -0.3, 0.7], 0.8)
+                    * rotation([0.36, -0.48, 0.8], q[i]);
+                kinetic += rigid_body(m[i], [0.1 m, 0, 0], diag(3 m^2, 2 m^2, 4 m^2)*m[i], link);
+                potential += m[i]*9.81 m/s^2*link.point([0.1 m, 0, 0]).z + k[i]*q[i]^2/2;
+            }}
+        }}"
+    )
+}
+
 /// A sledge that carries two chains, of links that grow heavier and of such that do not.
 const FORK: &str = "mechanism Chain {
     coord s: m;
@@ -108,6 +127,23 @@ fn loops_of_c_are_read_again_turn_by_turn() {
     // Numbers alone grow.
     let [lines, more] = [&code, &longer].map(|code| code.lines().filter(|line| line.contains(" = ")).count());
     assert!(lines.abs_diff(more) * 20 < lines, "{lines} {more}");
+}
+
+#[test]
+fn parameters_of_each_link_come_from_lists() {
+    let mutations = [("values[i", "values[1 + i"), ("[i - 1]", "[i]"), ("let values", "let values_x")];
+    let (code, right) = emitted_of(&rope(40), Language::Rust, &mutations);
+    assert_eq!(right, [false; 3]);
+    let (longer, _) = emitted_of(&rope(60), Language::Rust, &[]);
+    // Parameters grow, what is made of them, and their checks: not the functions.
+    let functions = |code: &str| {
+        let (_, functions) = code.split_once("pub fn inverse_dynamics").expect("a function");
+        functions.matches(" = ").count()
+    };
+    let [few, more] = [functions(&code), functions(&longer)];
+    assert!(few.abs_diff(more) * 20 < few, "{few} {more}");
+    let (in_c, _) = emitted_of(&rope(40), Language::C, &[]);
+    assert!(in_c.contains("const mbs_real values[") && in_c.len() < code.len());
 }
 
 #[test]

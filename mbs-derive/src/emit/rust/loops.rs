@@ -9,6 +9,10 @@ impl Loops for Rust<'_, '_> {
         vec![format!("static {name}: [f64; {}] = [{}];", numbers.len(), numbers_in_text.join(", "))]
     }
 
+    fn list(&self, name: &str, values: &[String]) -> Vec<String> {
+        vec![format!("let {name} = [{}];", values.join(", "))]
+    }
+
     fn number(&self, component: &str) -> String {
         format!("T::from_f64({component})")
     }

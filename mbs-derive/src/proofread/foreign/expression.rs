@@ -344,8 +344,8 @@ impl<'t> Reader<'_, 't> {
         if is_divided {
             self.expect(")")?;
             self.expect("/")?;
-            let divisor = self.integer()?;
-            place = if divisor > 0 { place / divisor } else { return self.unknown() };
+            let Some(quotient) = place.checked_div(self.integer()?) else { return self.unknown() };
+            place = quotient;
         }
         Ok(place)
     }
