@@ -3,9 +3,9 @@
 //! Groups of statements of links that follow each other, outwards or inwards, are one loop where they are the same
 //! trees: with own locals in the place of own locals, those of the neighbour, or of the same link in an earlier sweep,
 //! in the place of those, arguments of the neighbour in the place of arguments, and numbers in the place of numbers,
-//! which then come from a table, as parameters and what is known before the loop come from a list. Signs may alternate: then the groups of two links are a turn of the loop. What other
-//! groups read is kept in arrays with a component for each link. Run through, the loops are the statements that there
-//! were, and their values have the same bits.
+//! which then come from a table, as parameters and what is known before the loop come from a list. Signs may alternate:
+//! then the groups of two links are a turn of the loop. What other groups read is kept in arrays with a component for
+//! each link. Run through, the loops are the statements that there were, and their values have the same bits.
 //!
 //! - `printer`: the loops, in no language; `lines`: how a language writes them.
 

@@ -130,9 +130,9 @@ impl<const U: usize, const E: usize, const L: usize> Elimination<U, E, L> {
 /// | `target`      | `c = −γ`                                                             | `K`   |
 ///
 /// Of `U = N + K` unknowns. Of dual numbers the derivatives are a second solution, `q̈′ = K⁻¹ (b′ − K′ x)`, and NaN
-/// where that one contradicts itself. M has to be positive definite. Rows that depend on others and agree with them (to about
-/// 2e-10 of the terms, 1e-3 for `f32`) leave `q̈` and `Aᵀ λ` as they are. Everything is NaN where a coordinate has no
-/// inertia, where rows contradict each other, and where a number is infinite or NaN.
+/// where that one contradicts itself. M has to be positive definite. Rows that depend on others and agree with them
+/// (to about 2e-10 of the terms, 1e-3 for `f32`) leave `q̈` and `Aᵀ λ` as they are. Everything is NaN where a
+/// coordinate has no inertia, where rows contradict each other, and where a number is infinite or NaN.
 /// [`constrained_solve`](crate::constrained_solve) takes M that is singular, too, in time that grows with the cube of
 /// the unknowns.
 ///
