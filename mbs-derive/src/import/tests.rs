@@ -20,14 +20,19 @@ fn text(file: &str, xml: &str) -> String {
 
 /// What functions of a mechanism give at a state, without inputs.
 fn values<const N: usize>(text: &str, q: &[f64], qd: &[f64], names: [&str; N]) -> [Vec<f64>; N] {
+    driven(text, q, qd, &[], names)
+}
+
+/// What functions of a mechanism give at a state, with these inputs; the others are zero.
+fn driven<const N: usize>(text: &str, q: &[f64], qd: &[f64], u: &[f64], names: [&str; N]) -> [Vec<f64>; N] {
     let (sources, graph) = (Sources::new("robot.mbs", text), Graph::verbatim());
     let analysis =
         Analysis::of(&sources, &graph).unwrap_or_else(|error| panic!("{}\n{text}", error.render_in(&sources)));
     assert_eq!(analysis.warnings(None).render_in(&sources), "", "{text}");
     let programs = analysis.programs();
     let inputs = programs.inputs.iter().map(|input| input.count()).sum();
-    let state =
-        State { q: q.to_vec(), qd: qd.to_vec(), qdd: vec![0.0; q.len()], u: vec![0.0; inputs], ..State::default() };
+    let u = u.iter().copied().chain(std::iter::repeat(0.0)).take(inputs).collect();
+    let state = State { q: q.to_vec(), qd: qd.to_vec(), qdd: vec![0.0; q.len()], u, ..State::default() };
     names.map(|name| {
         let function = programs.named(name).unwrap_or_else(|| panic!("there is no {name}\n{text}"));
         Interpreter::new(programs).evaluate(function, &state)

@@ -275,7 +275,7 @@ impl Writer<'_> {
         }
         for (k, joint) in body.joints.iter().enumerate() {
             let joint_name = self.names[&(number, k)].clone();
-            self.effects(&name, &joint_name, joint, reader);
+            self.effects(&joint_name, joint, reader);
         }
         for shape in &body.shapes {
             self.shape(&name, shape, reader);

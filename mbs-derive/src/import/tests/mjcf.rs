@@ -1,6 +1,6 @@
 //! Numbers are those of MuJoCo 4.0, `mj_fullM` and `qfrc_bias − qfrc_spring`.
 
-use super::{moves, near, refused, text, values};
+use super::{driven, moves, near, refused, text, values};
 
 const INERTIAL: &str = "<inertial pos='0.1 0.2 0.3' mass='1.3' diaginertia='0.02 0.03 0.04'/>";
 
@@ -46,6 +46,23 @@ fn bodies_keep_their_order_across_frames() {
     let coordinates: Vec<&str> = text.lines().filter(|line| line.starts_with("    coord")).collect();
     let expected = ["a", "b", "c", "d"].map(|name| format!("    coord of_{name}: rad;"));
     assert_eq!(coordinates, expected);
+}
+
+/// The torque of a ball joint acts between two bodies: its work is `τ·ω` with ω of the one against the other, in the
+/// axes of the one that hangs, so that none is done where both turn together.
+#[test]
+fn balls_are_driven_from_what_they_hang_on() {
+    let bodies = "<body name='b'><freejoint name='f'/>INERTIAL\
+                  <body name='d' pos='0 0 1'><joint name='c' type='ball'/>INERTIAL</body></body>";
+    let text = text("m.xml", &model("", bodies, ""));
+    let [w, x, y, z] = [0.5, -0.7, 0.1, 0.5];
+    let q = [0.1, 0.2, 0.3, 0.1, 0.7, -0.1, 0.7, w, x, y, z];
+    let torque = [0.3, -0.4, 0.9];
+    let [force] = driven(&text, &q, &[0.0; 11], &torque, ["generalized_force"]);
+    // ω = 2 (w v̇ − ẇ v − v × v̇) of the quaternion (w, v).
+    let rows = [[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]];
+    let own: [f64; 4] = std::array::from_fn(|k| (0..3).map(|i| 2.0 * rows[i][k] * torque[i]).sum());
+    near(&format!("Q\n{text}"), &force, &[&[0.0; 7][..], &own[..]].concat());
 }
 
 /// The last of several counts.

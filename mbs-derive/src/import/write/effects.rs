@@ -9,7 +9,7 @@ use super::{Writer, line};
 
 impl Writer<'_> {
     /// What acts along a joint.
-    pub(super) fn effects(&mut self, body: &str, name: &str, joint: &Joint, reader: &mut Reader) {
+    pub(super) fn effects(&mut self, name: &str, joint: &Joint, reader: &mut Reader) {
         let follows = joint.mimic.is_some();
         match joint.kind {
             Kind::Hinge if !follows => {
@@ -19,7 +19,10 @@ impl Writer<'_> {
                 line!(self, "    force {name} += {name}_force;");
             }
             Kind::Ball => {
-                line!(self, "    torque on {body} += {body} * {name}_torque;");
+                // On the turn of the body against what it hangs on, which is pushed back by as much.
+                let turn = self.attitude(name);
+                let turn = turn.trim_start_matches(" * ");
+                line!(self, "    torque on {turn} += {turn} * {name}_torque; // between the two bodies");
             }
             Kind::Hinge | Kind::Slide | Kind::Planar | Kind::Free => {}
         }
