@@ -12,7 +12,7 @@ use roxmltree::Node;
 use super::identifier::spare;
 use super::pose::{Pose, transposed, turned};
 use super::robot::{Body, Joint, Kind, Mimic, Robot, Shape};
-use super::xml::{Reader, child, children, place, tag};
+use super::xml::{Reader, child, children, content, place, tag};
 use link::{inertia, is_true, pose_of, relative_to, shape};
 
 mod link;
@@ -142,18 +142,19 @@ impl<'a, 'i> Model<'a, 'i> {
         let mut waiting: Vec<Node<'a, 'i>> = self.links.clone();
         waiting.extend(children(model, "frame"));
         let names: BTreeSet<&str> = waiting.iter().filter_map(|node| node.attribute("name")).collect();
-        let child_of = |joint: Node<'a, 'i>| child(joint, "child").and_then(|node| node.text()).map(str::trim);
+        let child_of = |joint: Node<'a, 'i>| child(joint, "child").map(|node| content(node).trim().to_string());
         let is_placed = |joint: &Node<'a, 'i>| {
             let is_other = joint.attribute("name").is_some_and(|name| !names.contains(name));
-            is_other && child_of(*joint).is_some_and(|link| self.names.contains_key(link))
+            is_other && child_of(*joint).is_some_and(|link| self.names.contains_key(link.as_str()))
         };
         waiting.extend(children(model, "joint").filter(is_placed));
         while !waiting.is_empty() {
             let before = waiting.len();
             for node in std::mem::take(&mut waiting) {
                 let name = node.attribute("name").unwrap_or_default();
+                let link = child_of(node);
                 let without = match node.tag_name().name() {
-                    "joint" => child_of(node),
+                    "joint" => link.as_deref(),
                     _ => node.attribute("attached_to"),
                 };
                 let relative = relative_to(node).or(without).filter(|of| !of.is_empty() && *of != "__model__");
@@ -250,7 +251,8 @@ impl<'a, 'i> Model<'a, 'i> {
             reader.refuse(tag(joint), format!("the joint `{name}` has no `{which}`"), "");
             return None;
         };
-        let link = node.text().unwrap_or_default().trim();
+        let text = content(node);
+        let link = text.trim();
         if link == "world" {
             return Some(None);
         }

@@ -99,6 +99,11 @@ pub(super) fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, '
     node.children().find(|child| child.is_element() && child.tag_name().name() == name)
 }
 
+/// The text in an element, whatever comments stand in it.
+pub(super) fn content(node: Node<'_, '_>) -> String {
+    node.children().filter(Node::is_text).filter_map(|part| part.text()).collect()
+}
+
 /// What is said while a file is read.
 #[derive(Default)]
 pub(super) struct Reader {
@@ -229,7 +234,7 @@ impl Reader {
 
     /// The numbers in an element; none where it is wrong, which is noted.
     pub(super) fn content<const N: usize>(&mut self, node: Node<'_, '_>, what: &str) -> Option<[f64; N]> {
-        self.exactly(node.text().unwrap_or_default(), tag(node), what)
+        self.exactly(&content(node), tag(node), what)
     }
 }
 

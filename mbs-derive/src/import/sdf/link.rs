@@ -5,12 +5,12 @@ use roxmltree::Node;
 use super::super::identifier::shown;
 use super::super::pose::{Pose, turned_inertia};
 use super::super::robot::{Form, Inertial, Shape};
-use super::super::xml::{Reader, child, place, tag};
+use super::super::xml::{Reader, child, content, place, tag};
 use crate::span::Span;
 
 /// `<pose>x y z roll pitch yaw</pose>` of an element.
 pub(super) fn pose_of(node: Node<'_, '_>, of: &str, reader: &mut Reader) -> Pose {
-    let Some(pose) = child(node, "pose").filter(|pose| pose.text().is_some_and(|text| !text.trim().is_empty())) else {
+    let Some(pose) = child(node, "pose").filter(|pose| !content(*pose).trim().is_empty()) else {
         return Pose::default();
     };
     let what = format!("the pose of {of}");
@@ -47,7 +47,7 @@ pub(super) fn relative_to<'a>(node: Node<'a, '_>) -> Option<&'a str> {
 
 /// Whether an element says `true`, or 1; what is neither true nor false is reported.
 pub(super) fn is_true(node: Node<'_, '_>, reader: &mut Reader) -> bool {
-    truth(node.text().unwrap_or_default(), tag(node), &format!("`{}`", node.tag_name().name()), reader)
+    truth(&content(node), tag(node), &format!("`{}`", node.tag_name().name()), reader)
 }
 
 fn truth(word: &str, place: Span, what: &str, reader: &mut Reader) -> bool {
@@ -116,7 +116,7 @@ pub(super) fn shape(visual: Node<'_, '_>, link: &str, reader: &mut Reader) -> Op
         "mesh" => {
             let file = child(form, "uri")?;
             let scale = child(form, "scale").and_then(|node| reader.content(node, &format!("the scale of {of}")));
-            Form::Mesh(file.text().unwrap_or_default().trim().to_string(), scale.unwrap_or([1.0; 3]), tag(file))
+            Form::Mesh(content(file).trim().to_string(), scale.unwrap_or([1.0; 3]), tag(file))
         }
         _ => return None,
     };

@@ -129,6 +129,17 @@ fn attitudes_are_in_degrees_and_quaternions() {
     refused("m.sdf", &model("", unknown), "the pose of `b` is in a format that is not known, `wxyz`");
 }
 
+/// Comments in front of a text, and within it, leave what it says.
+#[test]
+fn comments_stand_in_texts() {
+    let plain = "<pose>0 0 0 1.0 0 0</pose>".to_string() + &link("0 0 1 0 0 0", "INERTIAL") + &joint("", AXIS);
+    let marked = ["<pose>", "<mass>", "<ixx>", "<parent>", "<child>", "<xyz>"]
+        .iter()
+        .fold(model("", &plain), |text, tag| text.replace(tag, &format!("{tag}<!-- a note -->")))
+        .replace("0 0 1 0 0 0", "0 0 <!-- up --> 1 0 0 0");
+    assert_eq!(text("m.sdf", &marked), text("m.sdf", &model("", &plain)));
+}
+
 /// `frame` is what versions before 1.7 call `relative_to`.
 #[test]
 fn links_and_shapes_stand_in_joints() {
