@@ -149,16 +149,18 @@ impl<'a, 'i> Settings<'a, 'i> {
     }
 
     fn read_classes(&mut self, root: Node<'a, 'i>, reader: &mut Reader) {
-        let mut waiting: Vec<(Node<'a, 'i>, Vec<Node<'a, 'i>>)> =
-            children(root, "default").map(|node| (node, Vec::new())).collect();
+        let mut waiting: Vec<(Node<'a, 'i>, Option<Vec<Node<'a, 'i>>>)> =
+            children(root, "default").map(|node| (node, None)).collect();
         if let Some((first, _)) = waiting.first() {
             self.main = first.attribute("class").unwrap_or("main").to_string();
         }
         self.classes.insert(self.main.clone(), Vec::new());
         // The last one is next: in the order of the file, whose later statements win.
         waiting.reverse();
-        while let Some((node, mut chain)) = waiting.pop() {
-            let is_outermost = chain.is_empty();
+        while let Some((node, outer)) = waiting.pop() {
+            let is_outermost = outer.is_none();
+            // A later section adds to what the main class says before it.
+            let mut chain = outer.unwrap_or_else(|| self.classes[&self.main].clone());
             chain.push(node);
             let class = match node.attribute("class") {
                 Some(class) => class.to_string(),
@@ -168,9 +170,13 @@ impl<'a, 'i> Settings<'a, 'i> {
                     continue;
                 }
             };
-            let inner: Vec<_> = children(node, "default").map(|inner| (inner, chain.clone())).collect();
+            let inner: Vec<_> = children(node, "default").map(|inner| (inner, Some(chain.clone()))).collect();
             waiting.extend(inner.into_iter().rev());
-            self.classes.entry(class).or_default().extend(chain);
+            if class == self.main {
+                self.classes.insert(class, chain);
+            } else {
+                self.classes.entry(class).or_default().extend(chain);
+            }
         }
     }
 

@@ -94,10 +94,16 @@ fn attitudes_take_the_place_of_those_of_defaults() {
 #[test]
 fn defaults_are_read_in_their_order() {
     let head = "<default><joint damping='1' armature='0.3'/></default><default><joint damping='2'/></default>";
-    let text = text("m.xml", &hinge("").replace("<worldbody>", &format!("{head}<worldbody>")));
-    let [m, loss] = values(&text, &[0.3], &[0.7], ["mass_matrix", "dissipation_force"]);
+    let sections = |attributes: &str, head: &str| {
+        text("m.xml", &hinge(attributes).replace("<worldbody>", &format!("{head}<worldbody>")))
+    };
+    let [m, loss] = values(&sections("", head), &[0.3], &[0.7], ["mass_matrix", "dissipation_force"]);
     near("M", &m, &[0.4722935779816513]);
     near("∂D/∂q̇", &loss, &[1.4]);
+    let later =
+        head.replace("<default><joint damping='2'/>", "<default><default class='k'><joint stiffness='2'/></default>");
+    let [loss] = values(&sections("class='k'", &later), &[0.3], &[0.7], ["dissipation_force"]);
+    near("∂D/∂q̇ of a class in a later section", &loss, &[0.7]);
 }
 
 /// `springlength` is where the springs of the joints are relaxed, not where the bodies are at their poses.
