@@ -15,6 +15,11 @@ use super::class::{BOOLEANS, DAMPERS, EQUALITIES, SPRINGS};
 /// Coordinates and their factors.
 type Terms = Vec<(f64, String)>;
 
+/// Whether a constraint is stated by sites, not by bodies.
+fn is_between_sites(node: Node<'_, '_>) -> bool {
+    ["site1", "site2"].iter().any(|site| node.has_attribute(*site))
+}
+
 impl<'a, 'i> File<'a, 'i, '_> {
     pub(super) fn equalities(&mut self, root: Node<'a, 'i>) {
         let tendons = self.tendons(root);
@@ -62,9 +67,9 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     /// The two sites of a constraint that is stated by sites.
-    fn between_sites(&mut self, node: Node<'a, 'i>) -> Option<[(Option<usize>, Pose); 2]> {
+    fn between_sites(&mut self, node: Node<'a, 'i>, of: &str) -> Option<[(Option<usize>, Pose); 2]> {
         let mut site = |attribute: &str| {
-            let name = node.attribute(attribute)?;
+            let name = self.reader.wanted(node, attribute, &format!("the equality `{of}`"))?;
             let found = self.sites.get(name).copied();
             if found.is_none() {
                 self.reader.refuse(place(node, attribute), format!("there is no site `{name}`"), "");
@@ -76,8 +81,8 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     fn connect(&mut self, node: Node<'a, 'i>, name: String) {
-        if node.has_attribute("site1") {
-            let Some([(a, p), (b, q)]) = self.between_sites(node) else { return };
+        if is_between_sites(node) {
+            let Some([(a, p), (b, q)]) = self.between_sites(node, &name) else { return };
             self.robot.couplings.push(Coupling::Points { name, bodies: [a, b], points: [p.shift, q.shift] });
             return;
         }
@@ -91,8 +96,8 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     fn weld(&mut self, node: Node<'a, 'i>, name: String) {
-        if node.has_attribute("site1") {
-            let Some([(a, p), (b, q)]) = self.between_sites(node) else { return };
+        if is_between_sites(node) {
+            let Some([(a, p), (b, q)]) = self.between_sites(node, &name) else { return };
             self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [p, q] });
             return;
         }

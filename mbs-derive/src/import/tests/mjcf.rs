@@ -224,6 +224,21 @@ fn disabled_equalities_vanish() {
     }
 }
 
+/// Two hinged bodies with a site each, at (0.1, 0, 0) and (0, 0.2, 0), and what couples them.
+fn coupled(equality: &str) -> String {
+    let bodies = "<body name='b'><joint name='a' axis='0 0 1'/><site name='p' pos='0.1 0 0'/>INERTIAL</body>\
+                  <body name='d' pos='0.5 0 0'><joint name='c' axis='0 1 0'/><site name='q' pos='0 0.2 0'/>INERTIAL</body>";
+    model("", bodies, &format!("<equality>{equality}</equality>"))
+}
+
+#[test]
+fn sites_come_in_pairs() {
+    for equality in ["<connect name='e' site1='p'/>", "<weld name='e' site1='p'/>"] {
+        refused("m.xml", &coupled(equality), "the equality `e` has no `site2`");
+        refused("m.xml", &coupled(&equality.replace("site1", "site2")), "the equality `e` has no `site1`");
+    }
+}
+
 #[test]
 fn springs_by_time_constants_are_refused() {
     let message = "the joint `a` has its spring by `springdamper`, which is not imported";
