@@ -103,11 +103,13 @@ impl<'a, 'i> File<'a, 'i, '_> {
         }
         let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
         let stated: Option<[f64; 7]> = self.reader.array(node, "relpose", &format!("`relpose` of `{name}`"));
+        let anchor = self.reader.array(node, "anchor", &format!("the anchor of `{name}`")).unwrap_or_default();
+        let anchor = Pose { shift: anchor, ..Pose::default() };
         let relative = match stated {
             Some([x, y, z, rest @ ..]) if norm(&rest) > 1e-12 => Pose::of_quaternion([x, y, z], rest),
-            _ => at_rest(&self.robot, a).inverse().then(&at_rest(&self.robot, b)),
+            _ => at_rest(&self.robot, a).inverse().then(&at_rest(&self.robot, b)).then(&anchor),
         };
-        self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [relative, Pose::default()] });
+        self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [relative, anchor] });
     }
 
     fn powers(&mut self, node: Node<'a, 'i>, name: &str) -> Option<[f64; 5]> {

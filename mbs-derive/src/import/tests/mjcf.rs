@@ -239,6 +239,24 @@ fn sites_come_in_pairs() {
     }
 }
 
+/// The anchor is a point of the second body; of the first one it is where `relpose` has it, or where it is at rest.
+#[test]
+fn welds_have_an_anchor() {
+    let check = |attributes: &str, first: &str| {
+        let equality = format!("<weld name='e' body1='b' body2='d' anchor='0.1 0.2 0.3' {attributes}/>");
+        let text = text("m.xml", &coupled(&equality));
+        for line in [
+            format!("    const e_first[3]: m = {first};\n"),
+            "    const e_second[3]: m = [0.1, 0.2, 0.3];\n".to_string(),
+            "    constraint e: b.point(e_first) = d.point(e_second);\n".to_string(),
+        ] {
+            assert!(text.contains(&line), "{line}{text}");
+        }
+    };
+    check("relpose='1 2 3 1 0 0 0'", "[1, 2, 3]");
+    check("", "[0.6, 0.2, 0.3]");
+}
+
 #[test]
 fn springs_by_time_constants_are_refused() {
     let message = "the joint `a` has its spring by `springdamper`, which is not imported";
