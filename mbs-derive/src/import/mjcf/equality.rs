@@ -98,8 +98,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
     fn weld(&mut self, node: Node<'a, 'i>, name: String) {
         if is_between_sites(node) {
             let Some([(a, p), (b, q)]) = self.between_sites(node, &name) else { return };
-            self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [p, q] });
-            return;
+            return self.welded(node, name, [a, b], [p, q]);
         }
         let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
         let stated: Option<[f64; 7]> = self.reader.array(node, "relpose", &format!("`relpose` of `{name}`"));
@@ -109,7 +108,16 @@ impl<'a, 'i> File<'a, 'i, '_> {
             Some([x, y, z, rest @ ..]) if norm(&rest) > 1e-12 => Pose::of_quaternion([x, y, z], rest),
             _ => at_rest(&self.robot, a).inverse().then(&at_rest(&self.robot, b)).then(&anchor),
         };
-        self.robot.couplings.push(Coupling::Frames { name, bodies: [a, b], poses: [relative, anchor] });
+        self.welded(node, name, [a, b], [relative, anchor]);
+    }
+
+    /// Two frames; their origins alone where no torque holds them.
+    fn welded(&mut self, node: Node<'a, 'i>, name: String, bodies: [Option<usize>; 2], poses: [Pose; 2]) {
+        let scale = self.reader.number(node, "torquescale", &format!("`torquescale` of `{name}`"));
+        self.robot.couplings.push(match scale {
+            Some(0.0) => Coupling::Points { name, bodies, points: poses.map(|pose| pose.shift) },
+            _ => Coupling::Frames { name, bodies, poses },
+        });
     }
 
     fn powers(&mut self, node: Node<'a, 'i>, name: &str) -> Option<[f64; 5]> {

@@ -255,6 +255,20 @@ fn welds_have_an_anchor() {
     };
     check("relpose='1 2 3 1 0 0 0'", "[1, 2, 3]");
     check("", "[0.6, 0.2, 0.3]");
+    check("torquescale='0'", "[0.6, 0.2, 0.3]");
+}
+
+/// What no torque holds turns freely.
+#[test]
+fn welds_without_torque_are_connections() {
+    for of in ["body1='b' body2='d'", "site1='p' site2='q'"] {
+        let rows = |scale: &str| {
+            let text = text("m.xml", &coupled(&format!("<weld name='e' {of} torquescale='{scale}'/>")));
+            assert!(text.contains("    constraint e: "), "{text}");
+            text.contains("    constraint e_turn: ")
+        };
+        assert!(rows("1") && !rows("0"), "{of}");
+    }
 }
 
 #[test]
