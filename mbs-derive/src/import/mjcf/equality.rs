@@ -266,14 +266,13 @@ impl<'a, 'i> File<'a, 'i, '_> {
             self.reader.numbers(text, place(holder, "springlength"), &format!("`springlength` of the tendon `{name}`"))
         });
         match stated.as_deref() {
-            Some([one]) | Some([one, _]) if *one >= 0.0 => {
-                if let Some([low, high]) = stated.as_deref()
-                    && low != high
-                {
+            // MuJoCo takes these numbers alone, not all negative ones, for what the springs of the joints say.
+            Some([first, others @ ..]) if *first != -1.0 || others.iter().any(|other| *other != -1.0) => {
+                if others.iter().any(|other| other != first) {
                     let message = format!("the spring of the tendon `{name}` has a dead zone, which is not imported");
                     self.reader.refuse(place(holder, "springlength"), message, "");
                 }
-                *one
+                *first
             }
             _ => {
                 let relaxed = |joint: &str| {

@@ -119,6 +119,18 @@ fn springs_of_tendons_are_relaxed_where_those_of_joints_are() {
         &[2.496093588589712, 0.1698977863848982, 0.1698977863848982, 0.16000000000000003],
         &[0.7244407626083187, 1.092314126252744],
     );
+    // -1 stands for that, other negative lengths for themselves.
+    let rest = |length: &str| {
+        let stated = tendon.replace("name='t'", &format!("name='t' springlength='{length}'"));
+        let text = text("m.xml", &model("", bodies, &stated));
+        text.lines().find(|line| line.contains("_rest: rad")).map(str::to_string)
+    };
+    assert_eq!(rest("-1"), rest("-1 -1"));
+    assert_eq!(rest("-1").as_deref(), Some("    const t_spring_rest: rad = 1.3;"));
+    assert_eq!(rest("-0.3").as_deref(), Some("    const t_spring_rest: rad = -0.3;"));
+    assert_eq!(rest("-2 -2").as_deref(), Some("    const t_spring_rest: rad = -2;"));
+    let zone = tendon.replace("name='t'", "name='t' springlength='-1 0.2'");
+    refused("m.xml", &model("", bodies, &zone), "the spring of the tendon `t` has a dead zone, which is not imported");
 }
 
 #[test]
