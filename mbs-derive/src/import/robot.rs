@@ -215,7 +215,8 @@ impl Robot {
     pub(super) fn set_free(&mut self) {
         let joints = self.bodies.iter().flat_map(|body| &body.joints);
         let names: BTreeSet<String> = joints.map(|joint| joint.name.clone()).collect();
-        for body in self.bodies.iter_mut().filter(|body| body.parent.is_none() && body.joints.is_empty()) {
+        let is_loose = |body: &&mut Body| body.parent.is_none() && body.joints.is_empty() && body.fixed_by.is_none();
+        for body in self.bodies.iter_mut().filter(is_loose) {
             let name = spare(&format!("{}_joint", body.name), |name| names.contains(name));
             body.joints.push(Joint::new(&name, Kind::Free, "free", body.span.clone()));
         }

@@ -1,6 +1,7 @@
 //! Numbers are those of MuJoCo 4.0, of the same bodies in MJCF, put together by hand.
 
 use super::{moves, refused, text};
+use crate::source::Sources;
 
 const INERTIAL: &str = "<inertial><pose>0.1 0.2 0.3 0.1 0.2 0.3</pose><mass>2</mass>\
     <inertia><ixx>0.03</ixx><iyy>0.04</iyy><izz>0.05</izz></inertia></inertial>";
@@ -127,6 +128,15 @@ fn attitudes_are_in_degrees_and_quaternions() {
     }
     let unknown = "<link name='b'><pose rotation_format='wxyz'>0 0 1 1 0 0 1</pose></link>";
     refused("m.sdf", &model("", unknown), "the pose of `b` is in a format that is not known, `wxyz`");
+}
+
+/// A fixed joint holds it, as any other.
+#[test]
+fn what_is_fixed_to_the_world_does_not_float() {
+    let fixed = joint("", "").replace("revolute", "fixed");
+    let xml = model("", &(link("0 0 1 0 0 0", "INERTIAL") + &fixed + &second(BEHIND, "INERTIAL")));
+    let (floating, _) = Sources::robot("m.sdf", &xml).floating(true).text(&|_| None).unwrap();
+    assert_eq!(floating, text("m.sdf", &xml));
 }
 
 /// Comments in front of a text, and within it, leave what it says.
