@@ -134,7 +134,15 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     fn site(&mut self, node: Node<'a, 'i>, around: &Around) {
-        let pose = self.settings.pose(node, &around.class, "site", self.reader);
+        let holder = self.settings.holder(node, "site", &around.class, "fromto");
+        let of = "the ends of a site";
+        let pose = match self.reader.array(holder, "fromto", of) {
+            // Its z is along the way back, as MuJoCo has it.
+            Some([a, b, c, d, e, f]) => {
+                geom::between(holder, [d, e, f, a, b, c], of, self.reader).map(|(pose, _)| pose).unwrap_or_default()
+            }
+            None => self.settings.pose(node, &around.class, "site", self.reader),
+        };
         if let Some(name) = node.attribute("name") {
             self.sites.insert(name.to_string(), (around.body, around.frame.then(&pose)));
         }

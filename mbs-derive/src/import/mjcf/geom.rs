@@ -7,7 +7,7 @@ use roxmltree::Node;
 use super::super::identifier::shown;
 use super::super::pose::{Pose, from_z, norm, turned_inertia};
 use super::super::robot::{Body, Form, Inertial, Shape};
-use super::super::xml::{place, tag};
+use super::super::xml::{Reader, place, tag};
 use super::class::BOOLEANS;
 use super::{Around, File};
 
@@ -38,14 +38,9 @@ impl<'a, 'i> File<'a, 'i, '_> {
         };
         let mut size: [f64; 3] = std::array::from_fn(|i| size.get(i).copied().unwrap_or(0.0));
         let mut pose = self.settings.pose(node, &class, "geom", reader);
-        if let Some([a, b, c, d, e, f]) = reader.array::<6>(holder("fromto"), "fromto", &of("ends")) {
-            let way = [d - a, e - b, f - c];
-            let length = norm(&way);
-            if length < 1e-12 {
-                reader.refuse(place(holder("fromto"), "fromto"), format!("{} fall together", of("ends")), "");
-                return None;
-            }
-            pose = Pose::of_turn([(a + d) / 2.0, (b + e) / 2.0, (c + f) / 2.0], from_z(way));
+        if let Some(ends) = reader.array::<6>(holder("fromto"), "fromto", &of("ends")) {
+            let length;
+            (pose, length) = between(holder("fromto"), ends, &of("ends"), reader)?;
             match kind {
                 "capsule" | "cylinder" => size[1] = length / 2.0,
                 _ => size = [size[0], size[0], length / 2.0],
@@ -160,4 +155,20 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let scale = numbers.and_then(|numbers| numbers.try_into().ok()).unwrap_or([1.0; 3]);
         Some(Form::Mesh(path, scale, place(*mesh, "file")))
     }
+}
+
+/// Half way between two ends, with z from the first to the second, and how far they are apart.
+pub(super) fn between(
+    node: Node<'_, '_>,
+    [a, b, c, d, e, f]: [f64; 6],
+    ends: &str,
+    reader: &mut Reader,
+) -> Option<(Pose, f64)> {
+    let way = [d - a, e - b, f - c];
+    let length = norm(&way);
+    if length < 1e-12 {
+        reader.refuse(place(node, "fromto"), format!("{ends} fall together"), "");
+        return None;
+    }
+    Some((Pose::of_turn([(a + d) / 2.0, (b + e) / 2.0, (c + f) / 2.0], from_z(way)), length))
 }

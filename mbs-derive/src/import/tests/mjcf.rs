@@ -243,6 +243,21 @@ fn coupled(equality: &str) -> String {
     model("", bodies, &format!("<equality>{equality}</equality>"))
 }
 
+/// Half way between its ends, with z towards the first; of its own or of a default.
+#[test]
+fn sites_have_ends() {
+    let weld = coupled("<weld name='e' site1='p' site2='q'/>");
+    let posed = weld.replace("name='p' pos='0.1 0 0'", "name='p' pos='0 0 1' quat='0 1 0 0'");
+    let ends = "fromto='0 0 0.5 0 0 1.5'";
+    let own = weld.replace("name='p' pos='0.1 0 0'", &format!("name='p' {ends}"));
+    let default = format!("<default><default class='k'><site {ends}/></default></default><worldbody>");
+    let of_class = weld.replace("name='p' pos='0.1 0 0'", "name='p' class='k'").replace("<worldbody>", &default);
+    for xml in [own, of_class] {
+        assert_eq!(text("m.xml", &xml), text("m.xml", &posed));
+    }
+    refused("m.xml", &weld.replace("name='p'", "name='p' fromto='1 0 0 1 0 0'"), "the ends of a site fall together");
+}
+
 #[test]
 fn sites_come_in_pairs() {
     for equality in ["<connect name='e' site1='p'/>", "<weld name='e' site1='p'/>"] {
