@@ -188,7 +188,7 @@ impl<'a, 'i> Settings<'a, 'i> {
     }
 
     /// What states attributes of an element: itself, then defaults of its class, the innermost first.
-    fn stating(
+    pub(super) fn stating(
         &self,
         node: Node<'a, 'i>,
         element: &str,

@@ -32,11 +32,14 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let of = |what: &str| format!("the {what} of a geom of the body `{}`", body.name);
         let kind = holder("type").attribute("type").unwrap_or("sphere");
         let holds_size = holder("size");
-        let size = match holds_size.attribute("size") {
-            Some(text) => reader.numbers(text, place(holds_size, "size"), &of("size"))?,
-            None => Vec::new(),
-        };
-        let mut size: [f64; 3] = std::array::from_fn(|i| size.get(i).copied().unwrap_or(0.0));
+        // What a short list leaves out is that of the next default.
+        let mut known = Vec::new();
+        for node in self.settings.stating(node, "geom", &class) {
+            let Some(text) = node.attribute("size") else { continue };
+            let numbers = reader.numbers(text, place(node, "size"), &of("size"))?;
+            known.extend(numbers.into_iter().skip(known.len()));
+        }
+        let mut size: [f64; 3] = std::array::from_fn(|i| known.get(i).copied().unwrap_or(0.0));
         let mut pose = self.settings.pose(node, &class, "geom", reader);
         if let Some(ends) = reader.array::<6>(holder("fromto"), "fromto", &of("ends")) {
             let length;

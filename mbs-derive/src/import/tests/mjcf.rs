@@ -90,6 +90,18 @@ fn attitudes_take_the_place_of_those_of_defaults() {
     refused("m.xml", &model(head, &twice, ""), "the attitude of this geom is stated twice");
 }
 
+/// Sizes that a geom does not state are those of its defaults, number by number.
+#[test]
+fn sizes_are_filled_from_defaults() {
+    let head =
+        "<default><geom type='box' size='0.1 0.2 0.3'/><default class='k'><geom size='0.05 0.4'/></default></default>";
+    let of = |geom: &str| {
+        let body = format!("<body name='b'><joint name='a' axis='1 0.3 0'/>{geom}</body>");
+        text("m.xml", &model(head, &body, ""))
+    };
+    assert_eq!(of("<geom class='k' size='0.03'/>"), of("<geom size='0.03 0.4 0.3'/>"));
+}
+
 /// Of two statements of one class the later one counts.
 #[test]
 fn defaults_are_read_in_their_order() {
