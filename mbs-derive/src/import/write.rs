@@ -52,11 +52,12 @@ pub(super) fn text(
         let moves = !body.joints.is_empty() || body.parent.is_some_and(|parent| bodies[parent].1);
         bodies.push((name, moves));
     }
+    let couplings = coupling::names(robot, is_word, &mut identifiers);
     let mut writer = Writer { robot, options, text: String::new(), bodies, joints, names };
     writer.head(file, format, &identifiers);
     writer.coordinates(reader)?;
     writer.links(reader);
-    writer.couplings(reader, &mut identifiers);
+    writer.couplings(&couplings, reader);
     writer.text.push_str("}\n");
     (!reader.errors.has_errors()).then_some(writer.text)
 }

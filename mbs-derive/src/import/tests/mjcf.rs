@@ -311,6 +311,12 @@ fn welds_without_torque_are_connections() {
 }
 
 #[test]
+fn renamed_couplings_stand_at_the_top() {
+    let text = text("m.xml", &coupled("<joint name='c' joint1='a' joint2='c'/>"));
+    assert!(text.contains("// the coupling `c` is `c_coupling`.\n"), "{text}");
+}
+
+#[test]
 fn springs_by_time_constants_are_refused() {
     let message = "the joint `a` has its spring by `springdamper`, which is not imported";
     refused("m.xml", &hinge("springdamper='0.5 0.7'"), message);

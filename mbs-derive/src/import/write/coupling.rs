@@ -4,28 +4,33 @@ use std::fmt::Write as _;
 
 use super::super::identifier::Identifiers;
 use super::super::pose::{Pose, factors, listed, shown};
-use super::super::robot::{Coupling, Kind};
+use super::super::robot::{Coupling, Kind, Robot};
 use super::super::xml::Reader;
 use super::{Writer, line, quoted};
 
+/// What couplings are called in the text.
+pub(super) fn names(robot: &Robot, is_word: fn(&str) -> bool, identifiers: &mut Identifiers) -> Vec<String> {
+    let suffixes = ["_0", "_1", "_2", "_3", "_4", "_first", "_second", "_turn", "_stiffness", "_damping", "_rest"];
+    let claimed = robot.couplings.iter().map(|coupling| {
+        let (Coupling::Joints { name, .. }
+        | Coupling::Sum { name, .. }
+        | Coupling::Points { name, .. }
+        | Coupling::Frames { name, .. }
+        | Coupling::Spring { name, .. }) = coupling;
+        identifiers.claim("the coupling", name, "coupling", &suffixes, is_word)
+    });
+    claimed.collect()
+}
+
 impl Writer<'_> {
-    pub(super) fn couplings(&mut self, reader: &mut Reader, identifiers: &mut Identifiers) {
-        if self.robot.couplings.is_empty() {
+    pub(super) fn couplings(&mut self, names: &[String], reader: &mut Reader) {
+        if names.is_empty() {
             return;
         }
         line!(self, "\n    // ---- couplings");
-        let is_word = self.options.is_word;
-        for coupling in &self.robot.couplings {
-            let (Coupling::Joints { name, .. }
-            | Coupling::Sum { name, .. }
-            | Coupling::Points { name, .. }
-            | Coupling::Frames { name, .. }
-            | Coupling::Spring { name, .. }) = coupling;
-            let suffixes =
-                ["_0", "_1", "_2", "_3", "_4", "_first", "_second", "_turn", "_stiffness", "_damping", "_rest"];
-            let name = identifiers.claim("the coupling", name, "coupling", &suffixes, is_word);
+        for (name, coupling) in names.iter().zip(&self.robot.couplings) {
             line!(self, "");
-            self.coupling(&name, coupling, reader);
+            self.coupling(name, coupling, reader);
         }
     }
 
