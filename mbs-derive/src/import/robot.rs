@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::identifier::spare;
-use super::pose::Pose;
+use super::pose::{Pose, norm};
 use super::xml::Reader;
 use crate::numeric::moments::{Impossible, principal_moments};
 use crate::span::Span;
@@ -75,7 +75,8 @@ impl Body {
             found.extend(com.iter().chain(inertia));
         }
         for joint in &self.joints {
-            found.extend(joint.axis.iter().chain(&joint.anchor).chain([&joint.zero, &joint.damping]));
+            found.extend(joint.anchor);
+            found.extend([norm(&joint.axis), joint.zero, joint.damping]);
         }
         found
     }

@@ -44,6 +44,16 @@ fn origins_have_quaternions() {
     refused("r.urdf", &robot(&zero), "the attitude of the joint `j` has no direction");
 }
 
+/// An axis is divided by its length.
+#[test]
+fn axes_do_not_overflow() {
+    let message = "numbers of the link `b` are so large that they overflow";
+    for joint in ["type='prismatic'><axis xyz='1e200 1e200 0'/>", "type='revolute'><axis xyz='0 1e200 1'/>"] {
+        refused("r.urdf", &robot(joint), message);
+    }
+    assert!(text("r.urdf", &robot("type='prismatic'><axis xyz='0 1e100 0'/>")).contains("translation([0, j, 0])"));
+}
+
 /// Units are no names: `0.1 m` would be a product.
 #[test]
 fn units_are_no_names() {
