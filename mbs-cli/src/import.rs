@@ -15,8 +15,9 @@ use crate::output;
 
 /// Write a robot (URDF, SDF, MJCF) as a mechanism.
 ///
-/// Links become frames and bodies, joints coordinates with an input each; damping, springs, mimics and equality
-/// constraints are kept, limits are noted. `import "robot.urdf";` in a mechanism does the same in memory.
+/// Links become frames and bodies, joints coordinates, those of one axis and ball joints with an input; damping,
+/// springs, mimics and equality constraints are kept, limits are noted. `import "robot.urdf";` in a mechanism does the
+/// same in memory.
 #[derive(clap::Args)]
 #[command(verbatim_doc_comment, after_help = "Example:\n  mbs import arm.urdf --out arm.mbs")]
 pub(crate) struct Arguments {

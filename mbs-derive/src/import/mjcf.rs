@@ -101,7 +101,7 @@ pub(super) fn robot<'a, 'i>(root: Node<'a, 'i>, reader: &mut Reader) -> Option<R
         .collect();
     if !left_out.is_empty() {
         file.robot.notes.push(format!(
-            "Left out: {}. Every joint has an input, whatever drives it in the file.",
+            "Left out: {}. Joints of one axis and ball joints have an input, whatever drives them in the file.",
             left_out.join(", ")
         ));
     }
