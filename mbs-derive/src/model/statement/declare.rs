@@ -378,12 +378,30 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let measure = measure?.map(|measure| self.measure_of(expression, &measure)).transpose()?;
         let value = self.in_unit(&value, measure.as_ref(), &expression.span, "a `const`")?;
         match (&value, length?) {
+            (_, Some(rows)) if quantity.columns.is_some() => self.frozen_rows(quantity, value, rows, &expression.span),
             (Value::Array(array), Some(length)) => {
                 self.check_length(array.values().len(), length, &expression.span).map(|()| value)
+            }
+            (Value::Vector(_), Some(3)) => {
+                let elements = self.elements(&Argument { value, span: expression.span.clone() })?;
+                self.array(elements, &expression.span)
             }
             (_, Some(length)) => self.array(vec![value; length], &expression.span),
             (_, None) => Ok(value),
         }
+    }
+
+    /// A frozen matrix, row by row as one of parameters: one number stands for all entries.
+    fn frozen_rows(&mut self, quantity: &Quantity, value: Value<'g>, rows: usize, span: &Span) -> Resolved<Value<'g>> {
+        let total = self.size(quantity)?.unwrap_or(rows);
+        let entries = if let Value::Scalar(_) = value {
+            vec![value; total]
+        } else {
+            self.check_rows(quantity, &value, total, span)?;
+            self.flattened(value, span)?
+        };
+        let rows: Resolved<Vec<_>> = entries.chunks(total / rows).map(|row| self.array(row.to_vec(), span)).collect();
+        self.array(rows?, span)
     }
 
     /// What plain numbers of a value are in: those that have their unit behind them are not in the declared one.

@@ -61,6 +61,15 @@ fn matrices_of_parameters() {
 }
 
 #[test]
+fn frozen_matrices_are_those_of_the_parameters() {
+    let text = "mechanism A { param a[2][3]: kg = 1; param w[3][3]: kg = diag(1, 2, 3); param k[2][2]: kg = [[4, 5], [6, 7]]; \
+                coord x: m; kinetic += (a[1][2] + w[1][1] + k[1][0])*dt(x)^2; }";
+    let frozen = crate::emit::Options::default().freeze(["a", "w", "k"]);
+    let generated = crate::generate("a", text, &frozen).unwrap_or_else(|error| panic!("{}", error.render("a", text)));
+    assert!(generated.code.contains("18.0"), "{}", generated.code);
+}
+
+#[test]
 fn constants_of_any_shape() {
     assert_eq!(value_with_unit("const a: mm = 5;", "a"), (vec![0.005], "m".to_string()));
     assert_eq!(value_with_unit("const a = 2; const b = a^2;", "b"), (vec![4.0], "1".to_string()));
@@ -68,6 +77,7 @@ fn constants_of_any_shape() {
     near(&value("const com[2]: mm = [[1, 2, 3], [4, 5, 6]];", "com[1]"), &[0.004, 0.005, 0.006], "vectors");
     assert_eq!(value_with_unit("const a: m = [1, 0, 0];", "2*a").1, "m");
     assert_eq!(value_with_unit("const i: kg*m^2 = inertia(1, 2, 3);", "i").1, "kg·m²");
+    near(&value("const v[3]: mm = 2*[1, 2, 3];", "v[1]"), &[0.004], "numbers of a vector");
     near(&value("const alpha[3]: deg = [90, 0, -45];", "alpha[2]"), &[-std::f64::consts::FRAC_PI_4], "degrees");
     assert_eq!(value("for i in 0..2 { const c = 2*i; }", "x"), [0.3]);
 }
