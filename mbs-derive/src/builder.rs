@@ -378,6 +378,7 @@ impl Mechanism {
             docs: self.docs.clone(),
             statements: self.statements.clone(),
             of_robots: 0,
+            warnings: Diagnostics::default(),
         })
     }
 

@@ -71,6 +71,7 @@ pub(crate) fn resolve<'g>(
         }
         resolver.lagrangian.released = Some(Box::new(Lagrangian(lagrangian)));
     }
+    resolver.report.errors.append(declaration.warnings.clone());
     Ok((Lagrangian(resolver.lagrangian), resolver.report.errors))
 }
 

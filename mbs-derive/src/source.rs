@@ -99,6 +99,17 @@ pub struct Source {
     pub text: Result<String, Unreadable>,
     /// Where its text begins among those of all files; each begins behind the end of the one before.
     pub start: usize,
+    /// What is doubtful in the file that it was made of, a robot's, and what to do about it.
+    pub warnings: Vec<Warning>,
+}
+
+/// What is doubtful in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// With its place in the file.
+    pub message: String,
+    /// What to do about it; it may be empty.
+    pub help: String,
 }
 
 /// Why a file has no text.
@@ -114,7 +125,7 @@ impl Sources {
     /// One text, with no files beside it: what it imports is not there.
     pub fn new(name: &str, text: &str) -> Self {
         let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new(), calls: Vec::new() };
-        sources.push(name.to_string(), Ok(text.to_string()));
+        sources.push(name.to_string(), Ok(text.to_string()), Vec::new());
         sources
     }
 
@@ -129,12 +140,12 @@ impl Sources {
     }
 
     /// A text, and what it imports, directly or not: `imports` finds the paths in a text, `read` is given the name of
-    /// each file once and answers its bytes.
+    /// each file once and answers its bytes, and what is doubtful in it.
     pub(crate) fn followed(
         name: &str,
         text: &str,
         imports: impl Fn(&str) -> Vec<String>,
-        mut read: impl FnMut(&str) -> Result<Vec<u8>, Unreadable>,
+        mut read: impl FnMut(&str) -> Result<(Vec<u8>, Vec<Warning>), Unreadable>,
     ) -> Self {
         let mut sources = Sources::new(name, text);
         let mut depths = vec![0];
@@ -147,18 +158,20 @@ impl Sources {
                 if sources.numbers.contains_key(&name) {
                     continue;
                 }
-                let text = sources.room(depths[number]).and_then(|()| read(&name)).and_then(|b| sources.checked(b));
-                sources.push(name, text);
+                let read = sources.room(depths[number]).and_then(|()| read(&name));
+                let read = read.and_then(|(bytes, warnings)| Ok((sources.checked(bytes)?, warnings)));
+                let (text, warnings) = read.map_or_else(|e| (Err(e), Vec::new()), |(text, w)| (Ok(text), w));
+                sources.push(name, text, warnings);
                 depths.push(depths[number] + 1);
             }
         }
         sources
     }
 
-    fn push(&mut self, name: String, text: Result<String, Unreadable>) {
+    fn push(&mut self, name: String, text: Result<String, Unreadable>, warnings: Vec<Warning>) {
         let start = self.end();
         self.numbers.entry(plain(Path::new(&name))).or_insert(self.files.len());
-        self.files.push(Source { name, text, start });
+        self.files.push(Source { name, text, start, warnings });
     }
 
     /// Where the next file begins.

@@ -97,7 +97,8 @@ impl Reader<'_> {
         self.close();
         self.end_of_file();
         let (dimensionless, imports, imported) = (dimensionless.is_some(), Vec::new(), Vec::new());
-        Ok(Declaration { dimensionless, imports, imported, name: name?, docs, statements, of_robots: 0 })
+        let (name, warnings) = (name?, Diagnostics::default());
+        Ok(Declaration { dimensionless, imports, imported, name, docs, statements, of_robots: 0, warnings })
     }
 
     /// Documentation, `#![…]` and imports, in any order.

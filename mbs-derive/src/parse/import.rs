@@ -197,7 +197,8 @@ pub(super) fn declaration(sources: &Sources) -> Result<Declaration, Diagnostics>
         Some(mut declaration) => {
             let of_robots = statements.len();
             statements.append(&mut declaration.statements);
-            errors.finish(Declaration { imports, imported, statements, of_robots, ..declaration })
+            let warnings = errors.clone();
+            errors.finish(Declaration { imports, imported, statements, of_robots, warnings, ..declaration })
         }
         None => Err(errors),
     }
@@ -259,7 +260,10 @@ pub(super) fn readable(sources: &Sources) -> (Option<Declaration>, bool, Diagnos
     }
     let name = Name { text: "Shared".to_string(), span: 0..0 };
     let (docs, statements) = (Vec::new(), Vec::new());
-    (Some(Declaration { dimensionless: false, imports, imported, name, docs, statements, of_robots: 0 }), false, errors)
+    let warnings = Diagnostics::default();
+    let shared =
+        Declaration { dimensionless: false, imports, imported, name, docs, statements, of_robots: 0, warnings };
+    (Some(shared), false, errors)
 }
 
 /// How far a file has got.
@@ -398,6 +402,12 @@ impl<'s> Walk<'s> {
                 "it is a robot, this is a file of shared declarations",
                 help,
             );
+        }
+        for warning in &file.warnings {
+            let found = self.errors.warning(Code::Data, import.span.clone(), &warning.message);
+            if !warning.help.is_empty() {
+                found.help(&warning.help);
+            }
         }
         let mut read = grammar::mechanism(text);
         self.tokens += read.tokens;

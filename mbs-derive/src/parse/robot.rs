@@ -1,34 +1,49 @@
 //! Files of robots: `import "robot.urdf";` reads what `mbs import` writes.
 
 #[cfg(feature = "import")]
-use crate::diagnostic::Diagnostics;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 #[cfg(feature = "import")]
 use crate::source::Sources;
-use crate::source::{IMPORTED, Unreadable, is_robot};
+use crate::source::{IMPORTED, Unreadable, Warning, is_robot};
 
-/// The bytes of a file, of a robot the text of its mechanism; what has been such a text before stays as it is.
-pub(super) fn as_text(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
+/// The bytes of a file, of a robot the text of its mechanism, and warnings about it; what has been such a text before
+/// stays as it is.
+pub(super) fn as_text(name: &str, bytes: Vec<u8>) -> Result<(Vec<u8>, Vec<Warning>), Unreadable> {
     if !is_robot(name) || bytes.starts_with(IMPORTED.as_bytes()) {
-        return Ok(bytes);
+        return Ok((bytes, Vec::new()));
     }
     text(name, bytes)
 }
 
 #[cfg(not(feature = "import"))]
-fn text(_: &str, _: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
+fn text(_: &str, _: Vec<u8>) -> Result<(Vec<u8>, Vec<Warning>), Unreadable> {
     let help = "write `mbs-derive = { …, features = [\"import\"] }`, or import what `mbs import` writes";
     Err(Unreadable::new("robots are read with the feature `import` of mbs-derive", help))
 }
 
 #[cfg(feature = "import")]
-fn text(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
+fn text(name: &str, bytes: Vec<u8>) -> Result<(Vec<u8>, Vec<Warning>), Unreadable> {
     let Ok(xml) = String::from_utf8(bytes) else {
         return Err(Unreadable::new("it is not UTF-8 text", "save it as UTF-8"));
     };
     match Sources::robot(name, &xml).text(&|path| Some(path.trim_start_matches("file://").to_string())) {
-        Ok((text, _)) => Ok(text.into_bytes()),
+        Ok((text, warnings)) => Ok((text.into_bytes(), warnings.iter().map(|w| warning(name, &xml, w)).collect())),
         Err(errors) => Err(unreadable(name, &xml, &errors)),
     }
+}
+
+#[cfg(feature = "import")]
+fn warning(name: &str, xml: &str, found: &Diagnostic) -> Warning {
+    Warning { message: placed(name, xml, found), help: found.help.clone().unwrap_or_default() }
+}
+
+/// What is said, with its place in the file.
+#[cfg(feature = "import")]
+fn placed(name: &str, xml: &str, found: &Diagnostic) -> String {
+    let before = &xml[..found.span.start.min(xml.len())];
+    let line = before.matches('\n').count() + 1;
+    let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+    format!("{name}:{line}:{column}: {}", found.message)
 }
 
 /// The first error, with its place in the file.
@@ -36,15 +51,12 @@ fn text(name: &str, bytes: Vec<u8>) -> Result<Vec<u8>, Unreadable> {
 fn unreadable(name: &str, xml: &str, errors: &Diagnostics) -> Unreadable {
     let first = errors.iter().find(|error| error.severity == crate::diagnostic::Severity::Error);
     let Some(error) = first else { return Unreadable::new("it is no robot", "") };
-    let before = &xml[..error.span.start.min(xml.len())];
-    let line = before.matches('\n').count() + 1;
-    let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
     let more = match errors.error_count() {
         0 | 1 => String::new(),
         n => format!(" (and {} more: `mbs import {name}` shows all)", n - 1),
     };
     let help = error.help.clone().unwrap_or_else(|| format!("`mbs import {name}` shows the place"));
-    Unreadable::new(format!("{name}:{line}:{column}: {}{more}", error.message), help)
+    Unreadable::new(placed(name, xml, error) + &more, help)
 }
 
 /// A robot's file, and how its mechanism is written.

@@ -2,6 +2,8 @@
 
 use std::mem;
 
+use crate::diagnostic::Diagnostics;
+
 pub(crate) use crate::span::Span;
 
 /// A name with its place.
@@ -39,6 +41,8 @@ pub struct Declaration {
     pub statements: Vec<Statement>,
     /// How many of them, the first ones, are those of robots.
     pub of_robots: usize,
+    /// What is doubtful in the files that it imports.
+    pub warnings: Diagnostics,
 }
 
 /// One statement of a mechanism.

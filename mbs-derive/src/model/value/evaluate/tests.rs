@@ -144,8 +144,8 @@ fn declaration(value: Expression) -> Declaration {
     let name = Name { text: "A".to_string(), span: 0..0 };
     let kind = StatementKind::Energy { term: EnergyTerm::Kinetic, value };
     let statements = vec![Statement { kind, span: 0..0 }];
-    let (imports, imported) = (Vec::new(), Vec::new());
-    Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements, of_robots: 0 }
+    let (imports, imported, warnings) = (Vec::new(), Vec::new(), crate::diagnostic::Diagnostics::default());
+    Declaration { dimensionless: false, imports, imported, name, docs: Vec::new(), statements, of_robots: 0, warnings }
 }
 
 /// Built by hand, past the parser.
