@@ -180,11 +180,13 @@ impl System {
         if self.a.is_empty() {
             return Some(Vec::new());
         }
-        let mut balanced = self.a.clone();
-        balancing::balance_parlett_reinsch(&mut balanced);
+        let (balanced, unit) = balanced(self.a.clone());
         let schur = Schur::try_new(balanced, f64::EPSILON, 10_000)?;
         let size = |pole: &Complex<f64>| pole.re.hypot(pole.im);
-        let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().copied().collect();
+        let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().map(|pole| pole * unit).collect();
+        if !poles.iter().all(|pole| size(pole).is_finite()) {
+            return None;
+        }
         poles.sort_by(|x, y| size(x).total_cmp(&size(y)).then(x.re.total_cmp(&y.re)).then(y.im.total_cmp(&x.im)));
         Some(poles)
     }
@@ -200,6 +202,17 @@ impl System {
     }
 }
 
+/// Balanced by powers of two, in units of another one: balancing squares entries, and does not end where they overflow.
+fn balanced(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, f64) {
+    // About 1e150. The greatest entry is left as large, so that the squares of small ones do not vanish.
+    const LARGE: i32 = 498;
+    let size = matrix.amax().log2();
+    let unit = if size > f64::from(LARGE) && size.is_finite() { 2_f64.powi(size as i32 - LARGE) } else { 1.0 };
+    matrix /= unit;
+    balancing::balance_parlett_reinsch(&mut matrix);
+    (matrix, unit)
+}
+
 /// The dimension of the span of `B, A B, A² B, …`, as `mbs_runtime::control` finds it.
 fn reachable(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
     const NONE: f64 = 1e-10;
@@ -208,7 +221,7 @@ fn reachable(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
     let mut both = DMatrix::zeros(n + b.ncols(), n + b.ncols());
     both.view_mut((0, 0), (n, n)).copy_from(a);
     both.view_mut((0, n), (n, b.ncols())).copy_from(b);
-    balancing::balance_parlett_reinsch(&mut both);
+    let (both, _) = balanced(both);
     let (a, b) = (both.view((0, 0), (n, n)).into_owned(), both.view((0, n), (n, b.ncols())).into_owned());
     let rounding = a.norm() * f64::EPSILON;
     let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();

@@ -146,6 +146,20 @@ fn a_sampled_system() {
     assert!((frequency(&slow) - frequency(&sampled)).abs() < 1e-12);
 }
 
+/// Entries whose squares overflow are balanced in other units.
+#[test]
+fn poles_of_any_size_are_found() {
+    let workshop = Workshop::new();
+    let text = "mechanism Stiff { coord x: m; input f: N; kinetic += 1/2*1e-100*1 kg*dt(x)^2; potential += 1/2*1e100*1 N/m*x^2; \
+                force x += f; }";
+    workshop.write("stiff.mbs", text);
+    let report = linearized(&workshop, &["stiff.mbs", "--state", "{\"q\": [0]}"]);
+    for [re, im] in poles(&report) {
+        assert!(re.abs() < 1e88 && (im.abs() / 1e100 - 1.0).abs() < 1e-12, "{re} {im}");
+    }
+    assert_eq!(report["controllability_rank"], 2);
+}
+
 /// In Cartesian coordinates, one of which follows from the other: the poles are those of the pendulum.
 #[test]
 fn constraints_leave_independent_coordinates() {
