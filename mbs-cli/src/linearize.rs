@@ -209,6 +209,9 @@ impl<'a> Report<'a> {
             let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
             let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", magnitude(continuous), damping(continuous));
         }
+        if self.poles.iter().any(|&pole| magnitude(self.continuous(pole)).is_infinite()) {
+            let _ = writeln!(text, "a pole at 0: what it moves has decayed within a sample");
+        }
     }
 }
 
@@ -217,10 +220,10 @@ fn magnitude(pole: Complex<f64>) -> f64 {
     pole.re.hypot(pole.im)
 }
 
-/// `−Re p/|p|`; 1 at zero.
+/// `−Re p/|p|`; 1 at zero, and where a sample leaves nothing.
 fn damping(pole: Complex<f64>) -> f64 {
     let frequency = magnitude(pole);
-    if frequency == 0.0 { 1.0 } else { -pole.re / frequency }
+    if frequency == 0.0 || frequency.is_infinite() { 1.0 } else { -pole.re / frequency }
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Value {

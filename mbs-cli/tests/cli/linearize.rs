@@ -146,6 +146,22 @@ fn a_sampled_system() {
     assert!((frequency(&slow) - frequency(&sampled)).abs() < 1e-12);
 }
 
+/// `e^(-2000)` is zero.
+#[test]
+fn what_decays_within_a_sample_is_damped() {
+    let workshop = Workshop::new();
+    let text = "mechanism Light { param m: kg = 1e-3; param b: N*s/m = 2; coord x: m; kinetic += 1/2*m*dt(x)^2; \
+                dissipation += 1/2*b*dt(x)^2; }";
+    workshop.write("light.mbs", text);
+    let arguments = ["light.mbs", "--state", "{\"q\": [0]}", "--sample-time", "1"];
+    let report = linearized(&workshop, &arguments);
+    assert_eq!(report["poles"][0]["re"], 0.0);
+    assert_eq!(report["poles"][0]["damping_ratio"], 1.0);
+    assert_eq!(report["poles"][0]["natural_frequency"], Value::Null);
+    let shown = workshop.good(&[&["linearize"], &arguments[..]].concat());
+    assert!(shown.contains("a pole at 0: what it moves has decayed within a sample\n") && !shown.contains("NaN"), "{shown}");
+}
+
 /// Entries whose squares overflow are balanced in other units.
 #[test]
 fn poles_of_any_size_are_found() {
