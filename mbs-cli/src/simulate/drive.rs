@@ -290,16 +290,21 @@ fn in_si_units(formula: &str, name: &str) -> String {
     format!("unit_of_{name}*({changed})")
 }
 
+/// Of the input that is called so, or of the array of which it is a component.
 fn unit_of_input(statements: &[Statement], name: &str) -> Option<String> {
-    statements.iter().find_map(|statement| match &statement.kind {
-        StatementKind::Input(quantity)
-            if name == quantity.name.text
-                || name.strip_prefix(&quantity.name.text).is_some_and(|rest| rest.starts_with('_')) =>
-        {
-            quantity.unit.as_ref().map(ToString::to_string)
-        }
-        _ => None,
-    })
+    let inputs = || {
+        statements.iter().filter_map(|statement| match &statement.kind {
+            StatementKind::Input(quantity) => Some(quantity),
+            _ => None,
+        })
+    };
+    let is_array = |array: &str| {
+        let index = name.strip_prefix(array).and_then(|rest| rest.strip_prefix('_'));
+        index.is_some_and(|index| !index.is_empty() && index.bytes().all(|digit| digit.is_ascii_digit()))
+    };
+    let found = inputs().find(|input| input.name.text == name);
+    let found = found.or_else(|| inputs().find(|input| is_array(&input.name.text)));
+    found.and_then(|input| input.unit.as_ref()).map(ToString::to_string)
 }
 
 /// The function of an input's formula: a number of its unit, that no input enters.

@@ -124,6 +124,18 @@ fn tables_are_in_the_units_of_their_headers() {
     assert!(report.starts_with("error: push.csv: column `t`: its unit `kg` does not fit, "), "{report}");
 }
 
+/// `tau` is no array of which `tau_hip` would be a component.
+#[test]
+fn formulas_are_in_the_unit_of_their_own_input() {
+    let workshop = Workshop::new();
+    let text = "mechanism Leg { coord x: m; coord hip: rad; input tau: N; input tau_hip: N*m; input toe[2]: N; \
+                kinetic += 1/2*1 kg*dt(x)^2 + 1/2*1 kg*m^2*dt(hip)^2; force x += tau + toe[1]; force hip += tau_hip; }";
+    workshop.write("leg.mbs", text);
+    let run = ["simulate", "leg.mbs", "--state", r#"{"q": [0, 0]}"#, "--t-end", "1"];
+    let (_, row) = last(&workshop.good(&[&run[..], &["--input", "tau_hip=2*t^0", "--input", "toe_1=3*t^0"]].concat()));
+    assert!((row[1] - 1.5).abs() < 1e-9 && (row[2] - 1.0).abs() < 1e-9, "{row:?}");
+}
+
 #[test]
 fn wrong_formulas_are_refused() {
     let workshop = workshop();
