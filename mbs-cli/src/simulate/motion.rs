@@ -1,5 +1,6 @@
 //! Integration, and what is recorded of it.
 
+use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 
 use mbs_derive::optimise::{Derivation, FunctionKind};
@@ -88,9 +89,26 @@ impl Motion {
             output::warn("accelerations depend on velocities: the method is of order 1 and not symplectic here");
         }
         let rows = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder);
-        let columns = [standard_columns(derivation), recorder.columns()].concat();
+        let columns = distinct([standard_columns(derivation), recorder.columns()].concat());
         Ok(Motion { name: derivation.name.clone(), columns, rows: rows.map_err(Failure::new)?.0 })
     }
+}
+
+/// With names of their own: what has the name of an earlier column is called by its kind, too, `outputs_energy`.
+fn distinct(columns: Vec<Column>) -> Vec<Column> {
+    let mut taken: BTreeSet<String> = columns.iter().map(|column| column.name.clone()).collect();
+    let mut seen = BTreeSet::new();
+    let renamed = columns.into_iter().map(|column| {
+        if seen.insert(column.name.clone()) {
+            return column;
+        }
+        let mut name = format!("{}_{}", column.what, column.name);
+        while !taken.insert(name.clone()) {
+            name.push('_');
+        }
+        Column { label: name.clone(), name, ..column }
+    });
+    renamed.collect()
 }
 
 /// `<coordinates>,<coordinates>_dot,energy`, then multipliers and residuals of constraints.

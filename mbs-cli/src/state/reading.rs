@@ -234,8 +234,13 @@ impl Reader<'_> {
             let names = component_names(&self.derivation.coordinates);
             self.error(format!("\"q\" is missing: {}", expected(&names)));
         }
-        let is_unknown = |key: &&String| !KEYS.contains(&key.as_str()) && !self.is_name(key);
-        let unknown: Vec<&String> = object.keys().filter(is_unknown).collect();
+        let names = || object.keys().filter(|key| !KEYS.contains(&key.as_str()));
+        let meant: Vec<(&String, Vec<String>)> = names().map(|key| (key, self.meanings(key))).collect();
+        for (key, places) in meant.iter().filter(|(_, places)| places.len() > 1) {
+            let (key, places) = (Value::from(key.as_str()), places.join(" or "));
+            self.error(format!("{key} is the name of more than one number: write {places}"));
+        }
+        let unknown: Vec<&String> = meant.iter().filter(|(_, places)| places.is_empty()).map(|(key, _)| *key).collect();
         for key in unknown {
             let names = component_names(&self.derivation.coordinates);
             let rates = names.iter().flat_map(|name| SUFFIXES.map(|suffix| format!("{name}{suffix}")));
@@ -273,11 +278,16 @@ impl Reader<'_> {
         of(&self.derivation.coordinates, key).is_some()
     }
 
-    /// Whether a key is the name of a coordinate, of its rate or acceleration, or of an input.
-    fn is_name(&self, key: &str) -> bool {
-        let differentiated =
-            SUFFIXES.iter().any(|suffix| key.strip_suffix(suffix).is_some_and(|k| self.is_coordinate(k)));
-        differentiated || of(&self.derivation.inputs, key).is_some()
+    /// Where a key could stand with its name: as a coordinate, its rate or acceleration, or an input.
+    fn meanings(&self, key: &str) -> Vec<String> {
+        let coordinates = &self.derivation.coordinates;
+        let of_coordinates = ["q", "qd", "qdd"].into_iter().zip(SUFFIXES).map(|(of, suffix)| (of, coordinates, suffix));
+        let all = of_coordinates.chain([("u", &self.derivation.inputs, "")]);
+        let named = |(list, variables, suffix): (&str, &Vec<Variable>, &str)| {
+            let name = key.strip_suffix(suffix).filter(|name| of(variables, name).is_some())?;
+            Some(format!("{{\"{list}\": {{{}: …}}}}", Value::from(name)))
+        };
+        all.filter_map(named).collect()
     }
 
     /// An array with all numbers, or an object of some by name, the others being zero; and what stands by name in the

@@ -159,7 +159,10 @@ fn what_decays_within_a_sample_is_damped() {
     assert_eq!(report["poles"][0]["damping_ratio"], 1.0);
     assert_eq!(report["poles"][0]["natural_frequency"], Value::Null);
     let shown = workshop.good(&[&["linearize"], &arguments[..]].concat());
-    assert!(shown.contains("a pole at 0: what it moves has decayed within a sample\n") && !shown.contains("NaN"), "{shown}");
+    assert!(
+        shown.contains("a pole at 0: what it moves has decayed within a sample\n") && !shown.contains("NaN"),
+        "{shown}"
+    );
 }
 
 /// Entries whose squares overflow are balanced in other units.

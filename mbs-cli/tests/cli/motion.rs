@@ -136,6 +136,24 @@ fn formulas_are_in_the_unit_of_their_own_input() {
     assert!((row[1] - 1.5).abs() < 1e-9 && (row[2] - 1.0).abs() < 1e-9, "{row:?}");
 }
 
+/// A key that is the rate of a coordinate and an input is neither.
+#[test]
+fn names_of_two_numbers_are_refused() {
+    let workshop = Workshop::new();
+    let text = "mechanism Twin { coord theta: rad; input theta_dot: rad/s; kinetic += 1/2*1 kg*m^2*dt(theta)^2; \
+                force theta += 1 N*m*s/rad*theta_dot; output energy = theta; output theta_dot_2 = dt(theta); }";
+    workshop.write("twin.mbs", text);
+    let run = |state| ["simulate", "twin.mbs", "--state", state, "--t-end", "0", "--record", "outputs,inputs"];
+    let report = workshop.bad(&run(r#"{"theta": 0, "theta_dot": 1}"#));
+    let words =
+        r#""theta_dot" is the name of more than one number: write {"qd": {"theta": …}} or {"u": {"theta_dot": …}}"#;
+    assert!(report.contains(words), "{report}");
+    // In a table the standard columns keep their names.
+    let (header, row) = last(&workshop.good(&run(r#"{"theta": 3, "qd": {"theta": 1}, "u": {"theta_dot": 2}}"#)));
+    assert_eq!(header, ["t", "theta", "theta_dot", "energy", "outputs_energy", "theta_dot_2", "inputs_theta_dot"]);
+    assert_eq!(row, [0.0, 3.0, 1.0, 0.5, 3.0, 1.0, 2.0]);
+}
+
 #[test]
 fn wrong_formulas_are_refused() {
     let workshop = workshop();
