@@ -27,7 +27,7 @@ use crate::files::Files;
 use crate::mechanism::{self, Mechanism};
 use crate::ops::explanation::Explanation;
 use crate::output;
-use crate::scene::Scene;
+use crate::scene::{Scene, mesh};
 use crate::state::{self, Point, Request};
 
 /// Write a page about a mechanism: its declaration, typeset equations, costs, accuracy and proof, and the mechanism
@@ -76,6 +76,11 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         files.writes("--out", out)?;
     }
     let parts = parts(&sources, cache)?;
+    if let Some(out) = &arguments.out {
+        let mut read = Files::default();
+        mesh::note(&parts.scene, &sources, &mut read);
+        read.writes("--out", out)?;
+    }
     output::report(parts.mechanism.warnings());
     let derivation = &parts.mechanism.derivation;
     mechanism::has_matrices(derivation, "a report")?;

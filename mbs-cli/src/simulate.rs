@@ -163,6 +163,12 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     }
     check_outputs(arguments, &mut files)?;
     let derivation = mechanism::proved(&sources, cache)?.derivation;
+    let scene = arguments.shows_bodies().then(|| mechanism::scene(&sources, cache)).transpose()?;
+    if let Some(scene) = scene.as_ref().filter(|_| arguments.gltf.is_some()) {
+        let mut read = Files::default();
+        mesh::note(scene, &sources, &mut read);
+        check_outputs(arguments, &mut read)?;
+    }
     let point = match state::read(&arguments.state, &derivation, &drives.signal_names())? {
         Request::One(point) => point,
         Request::Many(points) => {
@@ -207,10 +213,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if let Some(path) = &arguments.parquet {
         others.push((path, parquet::table(&motion, arguments.units)?));
     }
-    if arguments.shows_bodies() {
+    if let Some(scene) = scene {
         let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
         let equations = Equations::new(&derivation, &point)?.with_driven(driven);
-        let scene = mechanism::scene(&sources, cache)?;
         if let Some(path) = &arguments.gltf {
             others.push((path, animation(&scene, &sources, &equations, &point, &motion)));
         }

@@ -4,11 +4,12 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mbs_derive::source::Sources;
 
 use super::Scene;
+use crate::files::Files;
 
 /// Files of more triangles are not read; nor are files after these together.
 const MOST_TRIANGLES: usize = 60_000;
@@ -21,6 +22,17 @@ pub(crate) fn are_all(scene: &Scene, meshes: &BTreeMap<usize, Triangles>) -> boo
     scene.shapes.iter().filter(|shape| shape.file.is_some()).count() == meshes.len()
 }
 
+/// Notes the files of a scene's meshes as read.
+pub(crate) fn note(scene: &Scene, sources: &Sources, files: &mut Files) {
+    let shapes = scene.shapes.iter().filter_map(|shape| Some((shape.file.as_ref()?, shape.place)));
+    shapes.for_each(|(file, place)| files.reads("the mesh", &path(sources.locate(&(place..place)).0, file)));
+}
+
+/// Where a mesh is that a file names.
+fn path(of: &str, file: &str) -> PathBuf {
+    Path::new(of).parent().unwrap_or(Path::new("")).join(file)
+}
+
 /// The meshes of a scene by the numbers of their shapes, and a warning for each that is not there.
 pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Triangles>, Vec<String>) {
     let (mut found, mut warnings, mut count) = (BTreeMap::new(), Vec::new(), 0);
@@ -28,7 +40,7 @@ pub(crate) fn meshes(scene: &Scene, sources: &Sources) -> (BTreeMap<usize, Trian
         let Some(file) = &shape.file else { continue };
         let (of, text, at) = sources.locate(&(shape.place..shape.place));
         let line = text[..at.start.min(text.len())].matches('\n').count() + 1;
-        let path = Path::new(of).parent().unwrap_or(Path::new("")).join(file);
+        let path = path(of, file);
         let triangles = fs::read(&path).map_err(|error| error.to_string()).and_then(|bytes| triangles(&bytes));
         let triangles = triangles.and_then(|triangles| {
             count += triangles.len();

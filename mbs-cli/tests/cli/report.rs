@@ -339,4 +339,14 @@ fn an_animation_is_no_other_file() {
     let workshop = workshop();
     let over = ["simulate", "pendulum.mbs", "--state", r#"{"q": [1]}"#, "--t-end", "1", "--csv", "a", "--gltf", "a"];
     assert!(workshop.bad(&over).contains("is the same file"));
+    let state = r#"{"q": [0, 1.0471975511965976]}"#;
+    for (option, over) in [
+        ("--gltf", &["simulate", "drawn.mbs", "--state", state, "--t-end", "0", "--gltf", "ball.stl"][..]),
+        ("--csv", &["simulate", "drawn.mbs", "--state", state, "--t-end", "0", "--gltf", "a", "--csv", "ball.stl"]),
+        ("--out", &["report", "drawn.mbs", "--out", "ball.stl"]),
+    ] {
+        let expected = format!("error: {option} ball.stl would overwrite a file in use: the mesh ball.stl was read\n");
+        assert_eq!(workshop.bad(over), expected);
+        assert_eq!(workshop.read("ball.stl"), BALL);
+    }
 }
