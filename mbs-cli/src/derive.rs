@@ -129,12 +129,12 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         Sines::Library if matches!(arguments.emit, Emit::Code(_)) => format!("{} library", arguments.emit.name()),
         Sines::Library => {
             let message = format!("`--emit {}` computes no sines: leave `--trigonometry` out", arguments.emit.name());
-            return Err(Failure::new(message));
+            return Err(Failure::of_usage(message));
         }
     };
     if !arguments.only.is_empty() && !matches!(arguments.emit, Emit::Code(_)) {
         let message = format!("`--emit {}` is of all functions: leave `--only` out", arguments.emit.name());
-        return Err(Failure::new(message));
+        return Err(Failure::of_usage(message));
     }
     let what = match arguments.only.as_slice() {
         [] => what,

@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use crate::cache::Cache;
 use crate::failure::Failure;
+use crate::simulate::positive;
 use crate::state::{self, Point, Request};
 use crate::{mechanism, output};
 
@@ -46,15 +47,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     independent: Vec<String>,
     /// The sampled system instead, with inputs held this long, in s.
-    #[arg(long, value_name = "T")]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
     sample_time: Option<f64>,
 }
 
 /// Prints the linear system.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
-    if let Some(time) = arguments.sample_time.filter(|time| !(*time > 0.0 && time.is_finite())) {
-        return Err(Failure::new(format_args!("the sample time must be positive and finite, found {time}")));
-    }
     let derivation = mechanism::read(&arguments.file, cache)?.derivation;
     mechanism::has_matrices(&derivation, "a linearization")?;
     let mut point = match state::read(&arguments.state, &derivation, &[])? {

@@ -119,7 +119,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             output::report(failure.messages());
-            ExitCode::from(1)
+            ExitCode::from(failure.code())
         }
     }
 }

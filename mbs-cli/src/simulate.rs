@@ -373,7 +373,7 @@ fn finite(text: &str) -> Result<f64, String> {
     if number.is_finite() { Ok(number) } else { Err("it must be finite".to_string()) }
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     let number = finite(text)?;
     if number > 0.0 { Ok(number) } else { Err("it must be positive".to_string()) }
 }

@@ -42,7 +42,7 @@ fn functions_may_be_chosen() {
     }
     let report = workshop.bad(&["derive", "chain.mbs", "--only", "bios"]);
     assert!(report.contains("`bios`") && report.contains("bias"), "{report}");
-    let report = workshop.bad(&["derive", "chain.mbs", "--only", "bias", "--emit", "json"]);
+    let report = workshop.misused(&["derive", "chain.mbs", "--only", "bias", "--emit", "json"]);
     assert_eq!(report, "error: `--emit json` is of all functions: leave `--only` out\n");
 }
 
@@ -56,7 +56,7 @@ fn sines_may_be_those_of_the_library() {
     assert!(library.contains("Math.sin(theta)") && !own.contains("Math.sin(theta)"), "{library}");
     let header = workshop.good(&["derive", "pendulum.mbs", "--emit", "c", "--trigonometry", "library"]);
     assert!(header.contains("#define MBS_LIBRARY_TRIGONOMETRY"), "{header}");
-    let report = workshop.bad(&["derive", "pendulum.mbs", "--emit", "latex", "--trigonometry", "library"]);
+    let report = workshop.misused(&["derive", "pendulum.mbs", "--emit", "latex", "--trigonometry", "library"]);
     assert_eq!(report, "error: `--emit latex` computes no sines: leave `--trigonometry` out\n");
 }
 

@@ -432,7 +432,8 @@ fn what_makes_no_sense_is_refused() {
     let workshop = Workshop::new();
     let refused =
         |more: &[&str]| workshop.bad(&[&["linearize", "pendulum.mbs", "--state", "{\"q\": [0]}"], more].concat());
-    assert_eq!(refused(&["--sample-time", "0"]), "error: the sample time must be positive and finite, found 0\n");
+    let sampled = ["linearize", "pendulum.mbs", "--state", "{\"q\": [0]}", "--sample-time", "0"];
+    assert!(workshop.misused(&sampled).contains("'--sample-time <T>': it must be positive"));
     assert_eq!(refused(&["--trim", "thta"]), "error: unknown name `thta`; did you mean \"theta\"?\n");
     assert_eq!(refused(&["--trim", "tau,tau"]), "error: `tau` is named twice\n");
     let many = workshop.bad(&["linearize", "pendulum.mbs", "--state", "[{\"q\": [0]}]"]);

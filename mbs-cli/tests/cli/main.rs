@@ -131,9 +131,18 @@ impl Workshop {
 
     /// Runs `mbs`, which must end with 1, print nothing and write nothing, and returns its complaint.
     fn bad(&self, arguments: &[&str]) -> String {
+        self.failed(1, arguments)
+    }
+
+    /// Runs what is wrong usage, with exit code 2.
+    fn misused(&self, arguments: &[&str]) -> String {
+        self.failed(2, arguments)
+    }
+
+    fn failed(&self, expected: i32, arguments: &[&str]) -> String {
         let before = self.files();
         let Outcome { code, stdout, stderr } = self.mbs(arguments);
-        assert_eq!((code, stdout.as_str()), (1, ""), "{arguments:?}: {stderr}");
+        assert_eq!((code, stdout.as_str()), (expected, ""), "{arguments:?}: {stderr}");
         assert_eq!(self.files(), before);
         assert!(!stderr.contains("panicked"), "{stderr}");
         stderr
