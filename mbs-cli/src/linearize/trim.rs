@@ -3,11 +3,13 @@
 //! `q̈(q, q̇, u) = 0`, `φ(q) = 0` and `A q̇ + b = 0` are solved for what is free by Newton's method: steps of least
 //! norm, halved while what is left grows. Rows are weighed by the size of their derivatives.
 
+use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use nalgebra::{DMatrix, DVector};
 
+use super::along::Along;
 use crate::failure::Failure;
 use crate::state::Point;
 
@@ -26,7 +28,7 @@ pub(super) fn names(derivation: &Derivation) -> Vec<String> {
 /// Changes what is free so that the state stays without accelerations.
 pub(super) fn trim(derivation: &Derivation, point: &mut Point, free: &[usize]) -> Result<(), Failure> {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
-    let conditions = Conditions { derivation, interpreter, free };
+    let conditions = Conditions { derivation, interpreter, parameters: point.parameters.clone(), free };
     let mut left = conditions.evaluate(&point.state)?;
     for _ in 0..MOST_STEPS {
         let step = left.step()?;
@@ -58,6 +60,7 @@ pub(super) fn trim(derivation: &Derivation, point: &mut Point, free: &[usize]) -
 struct Conditions<'a> {
     derivation: &'a Derivation,
     interpreter: Interpreter<'a>,
+    parameters: Vec<f64>,
     /// Numbers among coordinates, velocities and inputs.
     free: &'a [usize],
 }
@@ -104,9 +107,14 @@ impl Conditions<'_> {
         use FunctionKind::{Constraint, ConstraintJacobian, ConstraintRate, ConstraintRateJacobian};
         let call = |kind| self.interpreter.call(kind, state).expect("every mechanism has it");
         let rows = |kind| self.interpreter.rows(kind, state);
-        let (linearize, a, moved) =
+        let (mut linearize, a, moved) =
             (call(FunctionKind::Linearize), rows(ConstraintJacobian), rows(ConstraintRateJacobian));
         let inputs = state.u.len();
+        // Where rows repeat others all derivatives are NaN; no row is about inputs.
+        if !linearize.iter().all(|x| x.is_finite()) {
+            let by_inputs = self.by_inputs(state);
+            linearize[2 * n * n..][..n * inputs].copy_from_slice(by_inputs.transpose().as_slice());
+        }
         let holonomic = |row: usize| self.derivation.holonomic[row];
         let mut values = call(FunctionKind::ForwardDynamics);
         let position = rows(Constraint);
@@ -128,8 +136,22 @@ impl Conditions<'_> {
         if values.iter().chain(slopes.iter()).all(|x| x.is_finite()) {
             Ok(Left { values: DVector::from_vec(values), slopes })
         } else {
-            Err(Failure::new("accelerations, or their derivatives, are infinite or NaN at the state"))
+            Err(Failure::new(
+                "accelerations, or their derivatives, are infinite or NaN at the state; where constraints repeat others \
+                 only inputs can be trimmed",
+            ))
         }
+    }
+
+    /// Derivatives of accelerations, a column for each input.
+    fn by_inputs(&self, state: &State) -> DMatrix<f64> {
+        let (state, parameters) = (state.clone(), self.parameters.clone());
+        let point = Point { state, accelerations_are_given: false, parameters };
+        let along = Along::new(self.derivation, &point);
+        let function = self.derivation.function(FunctionKind::ForwardDynamics).expect("every mechanism has it");
+        let is_it = |symbol, j| f64::from(u8::from(symbol == Symbol::Input(j as u32)));
+        let columns = (0..point.state.u.len()).flat_map(|j| along.slope(function, |symbol| is_it(symbol, j)));
+        DMatrix::from_iterator(self.derivation.dof(), point.state.u.len(), columns)
     }
 
     fn change(&self, state: &mut State, step: &DVector<f64>) {

@@ -393,6 +393,14 @@ fn cranks_more_than_needed_are_one_pendulum() {
         assert_matrix(&report["b"], &[&[0.0], &[1.0 / (1.25 * m * l * l)]], 1e-12);
         assert_matrix(&report["c"], &[&[l * sin, 0.0]], 1e-12);
     }
+    // Rows that repeat others do not keep the drive from being found that holds the cranks.
+    let (sin, cos) = 0.7_f64.sin_cos();
+    let state = serde_json::json!({ "q": [0.7, 0.7, 0.7, l * sin, -l * cos, 0.0] }).to_string();
+    let report = linearized(&workshop, &["cranks.mbs", "--state", &state, "--trim", "drive"]);
+    let drive = report["state"]["u"][0].as_f64().unwrap();
+    assert!((drive - 1.5 * m * g * l * sin).abs() < 1e-9, "{drive}");
+    let refused = workshop.bad(&["linearize", "cranks.mbs", "--state", &state, "--trim", "q_0"]);
+    assert!(refused.contains("where constraints repeat others only inputs can be trimmed"), "{refused}");
 }
 
 #[test]
