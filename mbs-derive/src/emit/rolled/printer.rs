@@ -122,7 +122,8 @@ impl<'p> Printer<'p> {
                         steps.push(Step::Links([first.number, last.number]));
                     }
                     let (known, turns) = (self.lists.len(), self.run(run));
-                    for (name, values) in self.lists[known..].to_vec() {
+                    for list in known..self.lists.len() {
+                        let (name, values) = self.lists[list].clone();
                         let values = values.iter().map(|value| self.leaf(value)).collect();
                         steps.push(Step::List(name, values));
                     }
