@@ -83,8 +83,8 @@ impl Route {
 /// Derives the equations of motion into `graph`, by every route that applies.
 ///
 /// The routes are equal in value, each function of a mechanism may take another: the cheapest is chosen by `optimise`.
-/// A long chain that is nothing but bodies is derived by its structure alone: differentiation would only take time to
-/// lose.
+/// A long chain that is nothing but bodies, or one whose M is left out, is derived by its structure alone:
+/// differentiation would only take time to lose.
 pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, left_out: LeftOut) -> Vec<Equations<'g>> {
     derived_by(lagrangian, graph, &[Route::Plain, Route::Textbook, Route::Structured], left_out)
 }
@@ -110,7 +110,9 @@ pub(crate) fn derived_by<'g>(
     let has_outputs = !lagrangian.outputs.is_empty() || !lagrangian.reactions.is_empty();
     let is_long = symbols.q.len() > FEW_COORDINATES;
     let may_leave_out = left_out.mass_matrix && is_long && (left_out.outputs || !has_outputs);
-    let is_chain = lifted.as_ref().is_some_and(Lifted::has_all_inertia);
+    // Outputs need M: where bodies are not all that there is, they are kept.
+    let is_chain =
+        is_long_chain || (left_out.outputs || !has_outputs) && lifted.as_ref().is_some_and(Lifted::has_all_inertia);
     let leaves_out_of_chain = left_out.mass_matrix && is_long && is_chain && lagrangian.constraints.is_empty();
     let left_out = LeftOut { mass_matrix: leaves_out_of_chain, ..left_out };
     let plain = (!is_long_chain && !leaves_out_of_chain).then(|| lagrange::equations(energies, symbols, left_out));

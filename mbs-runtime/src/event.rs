@@ -201,7 +201,8 @@ impl<'a, V> Event<'a, V> {
     }
 
     /// When it happened last in the last integration \[s\]; where it ended that, the end, which may be some units in
-    /// the last place later than what its action was told.
+    /// the last place later than what its action was told, of a projected motion by as much as the projection leads
+    /// back.
     #[must_use]
     pub const fn last_time(&self) -> Option<f64> {
         if self.count == 0 { None } else { Some(self.last) }

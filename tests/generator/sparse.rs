@@ -118,6 +118,15 @@ fn outputs_of_many_masses_stay() {
     assert!(!has(&without, FunctionKind::MassMatrix) && has(&without, FunctionKind::ForwardDynamics));
     assert!(has(&with, FunctionKind::MassMatrix));
     with_analysis(&with, |analysis| assert!(analysis.programs().named("end").is_some()));
+    // Nor for one of bodies that springs couple.
+    let bodies = "mechanism Beads {
+        const n = 120; coord x[n]: m;
+        for i in 0..n { kinetic += particle(2 kg, [x[i], 0, 0]); }
+        for i in 1..n { potential += 1/2*(3 N/m)*(x[i] - x[i - 1])^2; }
+        output end = x[119];
+    }";
+    assert!(has(bodies, FunctionKind::MassMatrix) && has(bodies, FunctionKind::ForwardDynamics));
+    with_analysis(bodies, |analysis| assert!(analysis.programs().named("end").is_some()));
 }
 
 /// Written out, each mass takes two lines; the full matrix alone would have 90 000 entries.

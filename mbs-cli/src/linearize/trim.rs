@@ -136,10 +136,13 @@ impl Conditions<'_> {
         if values.iter().chain(slopes.iter()).all(|x| x.is_finite()) {
             Ok(Left { values: DVector::from_vec(values), slopes })
         } else {
-            Err(Failure::new(
-                "accelerations, or their derivatives, are infinite or NaN at the state; where constraints repeat others \
-                 only inputs can be trimmed",
-            ))
+            let hint = match k > 0 && values.iter().all(|x| x.is_finite()) {
+                true => "; where constraints repeat others only inputs can be trimmed",
+                false => "",
+            };
+            Err(Failure::new(format_args!(
+                "accelerations, or their derivatives, are infinite or NaN at the state{hint}"
+            )))
         }
     }
 

@@ -169,8 +169,8 @@ fn what_decays_within_a_sample_is_damped() {
 #[test]
 fn poles_of_any_size_are_found() {
     let workshop = Workshop::new();
-    let text = "mechanism Stiff { coord x: m; input f: N; kinetic += 1/2*1e-100*1 kg*dt(x)^2; potential += 1/2*1e100*1 N/m*x^2; \
-                force x += f; }";
+    let text = "mechanism Stiff { coord x: m; input f: N; kinetic += 1/2*1e-100*1 kg*dt(x)^2; \
+                potential += 1/2*1e100*1 N/m*x^2; force x += f; }";
     workshop.write("stiff.mbs", text);
     let report = linearized(&workshop, &["stiff.mbs", "--state", "{\"q\": [0]}"]);
     for [re, im] in poles(&report) {

@@ -88,7 +88,7 @@ pub(super) fn identifiers(walk: Walk<'_>) -> Identifiers {
     }
 }
 
-/// A longer head of a function has a line for each argument.
+/// Lines of lists are no longer than this; a longer head of a function has a line for each argument.
 const WIDEST: usize = 118;
 
 struct Header<'d> {

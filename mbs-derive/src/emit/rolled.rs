@@ -7,7 +7,8 @@
 //! then the groups of two links are a turn of the loop. What other groups read is kept in arrays with a component for
 //! each link. Run through, the loops are the statements that there were, and their values have the same bits.
 //!
-//! - `printer`: the loops, in no language; `lines`: how a language writes them.
+//! - `printer`: the loops, in all languages alike but for how a number of a table is read; `lines`: how a language writes
+//!   them.
 
 mod lines;
 mod printer;
@@ -73,7 +74,7 @@ enum Step {
     Loop(Turns, Vec<Step>),
 }
 
-/// `for i in (first..end).step_by(stride) { … }`, or with the last one first.
+/// The turns of a loop, outwards from the first index to before the end, or inwards from the last one to the first.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Turns {
     pub(super) index: String,

@@ -76,6 +76,10 @@ impl Numbering {
         if value.is_sign_negative() { number.opposite() } else { number }
     }
 
+    pub(super) fn is_constant(&self, number: Number) -> bool {
+        matches!(self.operations[number.index as usize], Operation::Constant(_))
+    }
+
     pub(super) fn symbol(&mut self, symbol: Symbol) -> Number {
         self.of(Operation::Symbol(symbol))
     }

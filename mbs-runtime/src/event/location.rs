@@ -72,7 +72,7 @@ impl<V: Coordinates> Watch<'_, '_, V> {
                     is_alone &= (event.function)(later, &self.there) * event.side > 0.0;
                 }
             }
-            if is_behind {
+            if is_behind && (is_alone || later == time) {
                 return Ok(later);
             }
             if !is_alone {

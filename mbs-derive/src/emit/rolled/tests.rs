@@ -142,8 +142,26 @@ fn parameters_of_each_link_come_from_lists() {
     };
     let [few, more] = [functions(&code), functions(&longer)];
     assert!(few.abs_diff(more) * 20 < few, "{few} {more}");
-    let (in_c, _) = emitted_of(&rope(40), Language::C, &[]);
+    let mutations = [
+        ("const mbs_real values[", "static const mbs_real values["),
+        ("static const mbs_real NUMBERS", "const mbs_real NUMBER_S"),
+        ("values[i", "values[1 + i"),
+        ("mbs_sin_cos_all(40", "mbs_sin_cos_all(39"),
+        ("[i]", "[(i)]"),
+        ("i += 1", "i += 01"),
+        ("result[mbs_i]", "result[mbs_i + 1]"),
+    ];
+    let (in_c, right) = emitted_of(&rope(40), Language::C, &mutations);
     assert!(in_c.contains("const mbs_real values[") && in_c.len() < code.len());
+    assert_eq!(right, [false; 7]);
+}
+
+/// What turns by itself with its joint is no body of the chain: accelerations need M.
+#[test]
+fn joints_with_inertia_are_no_chain_of_bodies() {
+    let text = rope(40).replace("potential +=", "kinetic += (1 kg*m^2)*dt(q[i])^2/2; potential +=");
+    let (code, _) = emitted_of(&text, Language::Rust, &[]);
+    assert!(code.contains("ldlt_solve"));
 }
 
 #[test]

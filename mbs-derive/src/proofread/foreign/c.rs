@@ -339,7 +339,7 @@ fn slopes(sheet: &mut Sheet<'_, '_>, routine: &Routine<'_>, signature: &Signatur
 
 /// What is written to an array of the caller: slots that follow each other.
 fn stored(name: &str, values: &[String]) -> String {
-    let number = |slot: &String| slot.trim_matches(['⟨', '⟩']).parse::<usize>().unwrap_or_default();
+    let number = |slot: &String| slot.trim_matches(['⟨', '⟩']).parse::<usize>().expect("slots have numbers");
     let first = values.first().map_or(0, number);
     format!("⟨stored {name} {first} {}⟩\n", first + values.len())
 }

@@ -105,9 +105,11 @@ impl<'t> Reader<'_, 't> {
         }
     }
 
-    /// A number without a point.
+    /// A number without a point, and without a zero in front, with which it is octal in C.
     pub(super) fn integer(&mut self) -> Reading<usize> {
-        let number = self.peek().filter(|token| token.kind == Kind::Number).and_then(|token| token.text.parse().ok());
+        let is_decimal = |text: &str| text == "0" || !text.starts_with('0');
+        let token = self.peek().filter(|token| token.kind == Kind::Number && is_decimal(token.text));
+        let number = token.and_then(|token| token.text.parse().ok());
         match number {
             Some(number) => {
                 self.at += 1;
@@ -323,15 +325,11 @@ impl<'t> Reader<'_, 't> {
 
     /// `3`; in a loop also `i`, `i - 1`, `i + 2`, `(i - 1) / 2`.
     fn place(&mut self) -> Reading<usize> {
-        let is_divided = self.takes("(");
-        let turn = self.turn.as_ref().map(|turn| (turn.index, turn.value));
-        let mut place = match turn.filter(|(index, _)| self.is_next(index)) {
-            Some((_, value)) => {
-                self.at += 1;
-                value
-            }
-            None => self.integer()?,
+        let Some((index, value)) = self.turn.as_ref().map(|turn| (turn.index, turn.value)) else {
+            return self.integer();
         };
+        let is_divided = self.takes("(");
+        let mut place = if self.takes(index) { value } else { self.integer()? };
         let sum = if self.takes("+") {
             place.checked_add(self.integer()?)
         } else if self.takes("-") {

@@ -17,7 +17,8 @@ use super::expression::Value;
 /// A text that is expected.
 pub(super) struct Expected {
     /// With slots: `⟨17⟩` for the value with this number, `⟨⟩` for statements, `⟨function 3⟩` where one begins,
-    /// `⟨fields⟩` for those of what the constructor computes, `⟨shared⟩` for what all files of the language share.
+    /// `⟨fields⟩` for those of what the constructor computes, `⟨shared⟩` for what all files of the language share,
+    /// `⟨stored result 7 12⟩` for what is written to an array of the caller, the slots from 7 to before 12.
     pub(super) text: String,
     pub(super) numbers: Vec<Number>,
     pub(super) scopes: Vec<Scope>,

@@ -45,10 +45,7 @@ impl<'t> Reader<'_, 't> {
         let Some(token) = self.peek() else { return self.unknown() };
         match (family, token.text) {
             (Family::C, "const") => self.constant_of_c(sides),
-            (Family::C, "static") if sides.is_empty() => {
-                self.at += 1;
-                self.constant_of_c(sides)
-            }
+            (Family::C, "static") if sides.is_empty() => self.table(sides),
             (Family::C, "for") if sides.is_empty() => self.repeated(),
             (Family::C, "mbs_real") | (Family::Js, "let") => self.declared(sides),
             (Family::C | Family::Js, "}") => self.end_of_side(sides),
@@ -157,6 +154,19 @@ impl<'t> Reader<'_, 't> {
         self.expect("mbs_sin_cos")?;
         self.expect("(")?;
         self.expression()
+    }
+
+    /// `static const mbs_real NUMBERS[2] = {1.0, -2.0,};`: constants alone, since it is made once.
+    fn table(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        self.expect("static")?;
+        let name = self.tokens.get(self.at + 2).map_or("", |token| token.text);
+        self.constant_of_c(sides)?;
+        match self.names.get(name) {
+            Some(Value::Array(_, numbers)) if numbers.iter().all(|number| self.numbering.is_constant(*number)) => {
+                Ok(())
+            }
+            _ => Err(format!("`{name}` is no table of constants")),
+        }
     }
 
     /// `const mbs_real name = value;`, or `const mbs_real angles[2] = {a, b};`, with or without a comma at the end

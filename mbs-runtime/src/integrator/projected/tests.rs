@@ -160,6 +160,15 @@ fn a_projected_motion_goes_on_behind_its_terminal_event() {
         }
         assert_eq!(counts, [1, 0], "{back}: {t}");
     }
+    // What happens before the projected state is behind the zero is not jumped over.
+    let method = Projected { method: Rk4::new(0.25), drift: Back(1e-6) };
+    let (mut t, mut state, mut happened) = (0.0, State::new([0.0], [1.0]), 0);
+    for _ in 0..4 {
+        let mut passed = [Event::new(&level).rising().terminal(), Event::new(&|t, _| t - 0.830_000_3)];
+        t = method.integrate_with_events(glide, t, 2.0, &mut state, &mut passed, go_on).unwrap().time;
+        happened += passed[1].count();
+    }
+    assert_eq!((t, happened), (2.0, 1));
 }
 
 /// A blade on an incline that moves along its heading `φ` only: `sin φ ẋ − cos φ ẏ = 0`; x points down the slope.

@@ -62,8 +62,8 @@ fn matrices_of_parameters() {
 
 #[test]
 fn frozen_matrices_are_those_of_the_parameters() {
-    let text = "mechanism A { param a[2][3]: kg = 1; param w[3][3]: kg = diag(1, 2, 3); param k[2][2]: kg = [[4, 5], [6, 7]]; \
-                coord x: m; kinetic += (a[1][2] + w[1][1] + k[1][0])*dt(x)^2; }";
+    let text = "mechanism A { param a[2][3]: kg = 1; param w[3][3]: kg = diag(1, 2, 3); \
+                param k[2][2]: kg = [[4, 5], [6, 7]]; coord x: m; kinetic += (a[1][2] + w[1][1] + k[1][0])*dt(x)^2; }";
     let frozen = crate::emit::Options::default().freeze(["a", "w", "k"]);
     let generated = crate::generate("a", text, &frozen).unwrap_or_else(|error| panic!("{}", error.render("a", text)));
     assert!(generated.code.contains("18.0"), "{}", generated.code);
