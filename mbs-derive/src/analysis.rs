@@ -432,4 +432,25 @@ mod tests {
         assert!(!has(&dynamics, "mass_matrix") && !has(&dynamics, "linearize"));
         assert!(has(&functions(derive::FEW_COORDINATES + 1, Some("momentum")), "momentum"));
     }
+
+    /// A mechanism passes on what is doubtful in the file that it imports, at the `import`.
+    #[test]
+    #[cfg(feature = "import")]
+    fn imported_robots_are_doubted() {
+        let robot = "<robot name='r'><link name='base'/><link name='b'><inertial><mass value='2'/>\
+                     <inertia ixx='0.03' iyy='0.04' izz='0.05' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+                     <joint name='j' type='continuous'><origin rpy='90 0 0'/><parent link='base'/><child link='b'/></joint>\
+                     </robot>";
+        let column = 1 + robot.find("rpy").expect("an attitude");
+        let sources = Sources::gather("a.mbs", "import \"r.urdf\"; mechanism A { }", |_| Ok(robot.into()));
+        let graph = Graph::verbatim();
+        let analysis = Analysis::of(&sources, &graph).unwrap_or_else(|error| panic!("{}", error.render_in(&sources)));
+        let of_joint = "the attitude of the joint `j` has an angle of 90 rad, more than a whole turn";
+        for report in [analysis.warnings(None), sources.surveyed().0] {
+            let report = report.render_in(&sources);
+            let lines: Vec<&str> = report.lines().take(2).collect();
+            let warning = format!("warning[MBS0310]: r.urdf:1:{column}: {of_joint}");
+            assert_eq!(lines, [warning.as_str(), " --> a.mbs:1:1"], "{report}");
+        }
+    }
 }

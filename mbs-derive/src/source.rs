@@ -100,16 +100,16 @@ pub struct Source {
     /// Where its text begins among those of all files; each begins behind the end of the one before.
     pub start: usize,
     /// What is doubtful in the file that it was made of, a robot's, and what to do about it.
-    pub warnings: Vec<Warning>,
+    pub(crate) warnings: Vec<Warning>,
 }
 
 /// What is doubtful in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Warning {
+pub(crate) struct Warning {
     /// With its place in the file.
-    pub message: String,
+    pub(crate) message: String,
     /// What to do about it; it may be empty.
-    pub help: String,
+    pub(crate) help: String,
 }
 
 /// Why a file has no text.

@@ -7,8 +7,8 @@
 //! then the groups of two links are a turn of the loop. What other groups read is kept in arrays with a component for
 //! each link. Run through, the loops are the statements that there were, and their values have the same bits.
 //!
-//! - `printer`: the loops, in all languages alike but for how a number of a table is read; `lines`: how a language writes
-//!   them.
+//! - `printer`: the loops, in all languages alike but for how a number of a table is read;
+//! - `lines`: how a language writes them.
 
 mod lines;
 mod printer;

@@ -1,9 +1,6 @@
 //! Numbers are worked out by hand.
 
 use super::{moves, near, refused, text, values};
-use crate::Analysis;
-use crate::expr::Graph;
-use crate::source::Sources;
 
 /// Mass 2 kg.
 const INERTIAL: &str = "<inertial><origin xyz='0.1 0.2 0.3'/><mass value='2'/>\
@@ -55,27 +52,6 @@ fn axes_do_not_overflow() {
         refused("r.urdf", &robot(joint), message);
     }
     assert!(text("r.urdf", &robot("type='prismatic'><axis xyz='0 1e100 0'/>")).contains("translation([0, j, 0])"));
-}
-
-/// A mechanism passes on what is doubtful in the file that it imports, at the `import`.
-#[test]
-fn imported_robots_are_doubted() {
-    let xml = robot("type='continuous'><origin rpy='90 0 0'/>");
-    let sources = Sources::gather("a.mbs", "import \"r.urdf\"; mechanism A { }", |_| Ok(xml.clone().into_bytes()));
-    let graph = Graph::verbatim();
-    let analysis = Analysis::of(&sources, &graph).unwrap_or_else(|error| panic!("{}", error.render_in(&sources)));
-    for report in [analysis.warnings(None), sources.surveyed().0] {
-        let report = report.render_in(&sources);
-        let lines: Vec<&str> = report.lines().take(2).collect();
-        assert_eq!(
-            lines,
-            [
-                "warning[MBS0310]: r.urdf:1:232: the attitude of the joint `j` has an angle of 90 rad, more than a whole turn",
-                " --> a.mbs:1:1"
-            ],
-            "{report}"
-        );
-    }
 }
 
 /// Units are no names: `0.1 m` would be a product.
