@@ -12,7 +12,16 @@ use crate::source::Sources;
 
 /// Written in the language.
 fn text(file: &str, xml: &str) -> String {
-    match Sources::robot(file, xml).text(&|_| None) {
+    written(file, xml, false)
+}
+
+/// Written in the language, with a base that moves freely where no joint holds it.
+fn floating(file: &str, xml: &str) -> String {
+    written(file, xml, true)
+}
+
+fn written(file: &str, xml: &str, is_floating: bool) -> String {
+    match Sources::robot(file, xml).floating(is_floating).text(&|_| None) {
         Ok((text, _)) => text,
         Err(errors) => panic!("{}\n{xml}", errors.render(file, xml)),
     }

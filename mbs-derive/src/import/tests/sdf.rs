@@ -1,7 +1,6 @@
 //! Numbers are those of MuJoCo 4.0, of the same bodies in MJCF, put together by hand.
 
-use super::{moves, refused, text};
-use crate::source::Sources;
+use super::{floating, moves, refused, text};
 
 const INERTIAL: &str = "<inertial><pose>0.1 0.2 0.3 0.1 0.2 0.3</pose><mass>2</mass>\
     <inertia><ixx>0.03</ixx><iyy>0.04</iyy><izz>0.05</izz></inertia></inertial>";
@@ -135,8 +134,7 @@ fn attitudes_are_in_degrees_and_quaternions() {
 fn what_is_fixed_to_the_world_does_not_float() {
     let fixed = joint("", "").replace("revolute", "fixed");
     let xml = model("", &(link("0 0 1 0 0 0", "INERTIAL") + &fixed + &second(BEHIND, "INERTIAL")));
-    let (floating, _) = Sources::robot("m.sdf", &xml).floating(true).text(&|_| None).unwrap();
-    assert_eq!(floating, text("m.sdf", &xml));
+    assert_eq!(floating("m.sdf", &xml), text("m.sdf", &xml));
 }
 
 /// Comments in front of a text, and within it, leave what it says.
