@@ -4,8 +4,8 @@
 //! - `function`: its functions; `solution`: systems that are solved for them;
 //! - `class`: those of C++;
 //! - `kernel`: the same for many states at once, in CUDA and OpenCL;
-//! - `syntax`: how values and statements are written in C; `loops`: those of a long chain; `name`: identifiers that it
-//!   has already;
+//! - `syntax`: how values and statements are written in C; `loops`: tables, arrays and loops of a long chain;
+//! - `name`: identifiers that it has already;
 //! - `interface`: how a header calls things, for who wraps it;
 //! - `prelude`: what all headers share: the number type, elementary functions, solvers.
 //!

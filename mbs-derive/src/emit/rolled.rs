@@ -353,8 +353,6 @@ impl Parts {
         let groups = || run.at(place).map(|group| (group, self.groups[group].number));
         let leaf_of = |group: usize| &self.groups[group].leaves[leaf];
         let middle = run.groups.start + place + run.groups.len() / run.period / 2 * run.period;
-        let is_known =
-            |leaf: &Tree| matches!(leaf, Tree::Local(local) if self.is_bound_before(*local, run.groups.start));
         if groups().all(|(group, _)| leaf_of(group) == leaf_of(middle)) {
             return Ok(Form::Same);
         }
@@ -365,16 +363,10 @@ impl Parts {
                     let last_before = others.iter().rev().find(|&&group| group < middle);
                     return Err(*last_before.or(others.first()).unwrap_or(&middle));
                 }
-                let by_number: BTreeMap<i64, &Tree> =
-                    groups().map(|(group, number)| (number, leaf_of(group))).collect();
-                let bits =
-                    by_number.values().map(|tree| if let Tree::Constant(x) = tree { Some(x.to_bits()) } else { None });
-                Ok(bits.collect::<Option<_>>().map_or_else(|| list_of(&by_number), Form::Table))
+                Ok(self.listed(run, (place, leaf)))
             }
-            Tree::Local(local)
-                if self.is_alone(*local, run_of) && groups().all(|(group, _)| is_known(leaf_of(group))) =>
-            {
-                Ok(list_of(&groups().map(|(group, number)| (number, leaf_of(group))).collect()))
+            Tree::Local(local) if self.is_alone(*local, run_of) && self.are_known_before(run, (place, leaf)) => {
+                Ok(self.listed(run, (place, leaf)))
             }
             Tree::Symbol(symbol) => {
                 let (argument, index) = argument(*symbol).ok_or(middle)?;
@@ -401,10 +393,7 @@ impl Parts {
                         Some(member) if member == *local => {}
                         Some(_) => return Err(group),
                         None => {
-                            let is_before = match self.homes[local] {
-                                Home::Binding(home, _) => home < run.groups.start,
-                                Home::OfAngle(..) => true,
-                            };
+                            let is_before = self.is_bound_before(*local, run.groups.start);
                             let is_array = matches!(family, Family::OfRun(..)) && slot >= -1;
                             if !is_before || !is_array || *seeds.entry((family, slot)).or_insert(*local) != *local {
                                 return Err(group);
@@ -421,6 +410,23 @@ impl Parts {
     /// Whether a local is bound by a group that is in no loop.
     fn is_alone(&self, local: usize, run_of: &[Option<usize>]) -> bool {
         matches!(self.homes[&local], Home::Binding(home, _) if run_of[home].is_none())
+    }
+
+    /// Whether a leaf of all groups at a place in the turns of a run is a local that has its value before the run.
+    fn are_known_before(&self, run: &Run, (place, leaf): (usize, usize)) -> bool {
+        run.at(place).all(|group| match self.groups[group].leaves[leaf] {
+            Tree::Local(local) => self.is_bound_before(local, run.groups.start),
+            _ => false,
+        })
+    }
+
+    /// A leaf of the groups at a place in the turns of a run, by their links: a table of numbers, or a list.
+    fn listed(&self, run: &Run, (place, leaf): (usize, usize)) -> Form {
+        let group = |group: usize| (self.groups[group].number, &self.groups[group].leaves[leaf]);
+        let leaves: BTreeMap<i64, &Tree> = run.at(place).map(group).collect();
+        let bits = |leaf: &&Tree| if let Tree::Constant(value) = leaf { Some(value.to_bits()) } else { None };
+        let numbers: Option<Vec<u64>> = leaves.values().map(bits).collect();
+        numbers.map_or_else(|| Form::List(leaves.into_values().cloned().collect()), Form::Table)
     }
 
     /// Whether a local has its value before a group.
@@ -443,11 +449,6 @@ impl Parts {
             }
         }
     }
-}
-
-/// A list of leaves, by their links.
-fn list_of(leaves: &BTreeMap<i64, &Tree>) -> Form {
-    Form::List(leaves.values().map(|&leaf| leaf.clone()).collect())
 }
 
 /// Adds what a tree is to a shape, and what may differ to the leaves.

@@ -367,7 +367,7 @@ mod tests {
     fn single_precision() {
         let initial = periapsis(0.3);
         let mut state = State::new(initial.q.map(|x| x as f32), initial.qd.map(|x| x as f32));
-        // Tolerances that single precision rounds to zero or infinity are none.
+        // Tolerances that single precision rounds to zero or infinity are refused.
         for (rtol, atol) in [(1e-6, 1e-46), (1e-46, 1e-6), (1e-6, 1e39)] {
             let refused = Dop853::new(rtol, atol).integrate(kepler, 0.0, TAU, &mut state, go_on);
             let expected = IntegrationError::InvalidTolerance { relative: rtol, absolute: atol };
