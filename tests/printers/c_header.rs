@@ -238,23 +238,41 @@ fn every_function_gives_the_bits_of_its_program() {
     assert!(ALL.len() > 60 && compared > 2_500_000, "{compared}");
 }
 
+/// Links on universal joints: a turn of a loop is two links, the angles of the second ones stand behind all others.
+const CABLE: &str = "mechanism LongCable {
+    const n = 20;
+    coord a[n]: rad;
+    coord b[n]: rad;
+    let mut link = world;
+    for i in 0..n {
+        link = link * rot_x(a[i]) * rot_y(b[i]);
+        kinetic += rigid_body(2 kg, [0, 0, -0.15 m], diag(0.02 kg*m^2, 0.02 kg*m^2, 0.003 kg*m^2), link);
+        potential += 2 kg * 9.81 m/s^2 * link.point([0, 0, -0.15 m]).z + 3 N*m*(a[i]^2 + b[i]^2)/2;
+        link = link * translation([0, 0, -0.3 m]);
+    }
+}";
+
 /// Statements of a long chain are written once, in loops, and what they are compiled to gives the same bits.
 #[test]
 fn links_of_a_long_chain_are_loops() {
     let text = include_str!("../mechanisms/n_chain.mbs").replace("const n = 5;", "const n = 40;");
     let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
-    let chain = Case::with_options("long_chain", &Sources::new("n_chain.mbs", &text), &options);
-    let header = Language::C.write(&chain.of, "n_chain.mbs", &Options::default());
-    assert!(header.contains("for (int i = 1; i < ") && header.contains("; i -= "), "it has no loops");
+    let case = |name: &str, file: &str, text: &str| Case::with_options(name, &Sources::new(file, text), &options);
+    let chains = [case("long_chain", "n_chain.mbs", &text), case("long_cable", "long_cable.mbs", CABLE)];
     let folder = tempfile::tempdir().expect("a folder");
-    for [c, cpp] in compilers() {
-        for (compiler, language) in [(c, &["-std=c99"][..]), (cpp, &["-x", "c++", "-std=c++17"])] {
-            let way = Way { compiler, language, trigonometry: Trigonometry::Polynomials, is_sanitized: compiler == c };
-            let (name, found) = ran(&chain, &way, folder.path());
-            chain.compare(compiler, &found, &chain.wanted(Trigonometry::Polynomials, STATES), STATES);
-            // Where it optimizes, a compiler looks for what is read before it is written.
-            let source = format!("{name}.c");
-            compiled(compiler, &[language, &["-O2", "-c", &source, "-o", "optimized.o"]].concat(), folder.path());
+    for chain in &chains {
+        let header = Language::C.write(&chain.of, &chain.name, &Options::default());
+        assert!(header.contains("; i -= ") && header.contains("for (int i = "), "it has no loops");
+        for [c, cpp] in compilers() {
+            for (compiler, language) in [(c, &["-std=c99"][..]), (cpp, &["-x", "c++", "-std=c++17"])] {
+                let is_sanitized = compiler == c;
+                let way = Way { compiler, language, trigonometry: Trigonometry::Polynomials, is_sanitized };
+                let (name, found) = ran(chain, &way, folder.path());
+                chain.compare(compiler, &found, &chain.wanted(Trigonometry::Polynomials, STATES), STATES);
+                // Where it optimizes, a compiler looks for what is read before it is written.
+                let source = format!("{name}.c");
+                compiled(compiler, &[language, &["-O2", "-c", &source, "-o", "optimized.o"]].concat(), folder.path());
+            }
         }
     }
 }

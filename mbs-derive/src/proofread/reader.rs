@@ -217,12 +217,13 @@ impl<'r> Reader<'r> {
                 _ => unknown(expression.text),
             },
             ExpressionKind::Binary(sign, operands) if self.is_integer(&operands[0]) => {
-                match (self.value(&operands[0])?, sign, self.value(&operands[1])?) {
-                    (Meaning::Integer(a), '+', Meaning::Integer(b)) => Ok(Meaning::Integer(a + b)),
-                    (Meaning::Integer(a), '-', Meaning::Integer(b)) if b <= a => Ok(Meaning::Integer(a - b)),
-                    (Meaning::Integer(a), '/', Meaning::Integer(b @ 1..)) => Ok(Meaning::Integer(a / b)),
-                    _ => unknown(expression.text),
-                }
+                let integer = match (self.value(&operands[0])?, sign, self.value(&operands[1])?) {
+                    (Meaning::Integer(a), '+', Meaning::Integer(b)) => a.checked_add(b),
+                    (Meaning::Integer(a), '-', Meaning::Integer(b)) => a.checked_sub(b),
+                    (Meaning::Integer(a), '*', Meaning::Integer(b)) => a.checked_mul(b),
+                    _ => None,
+                };
+                integer.map_or_else(|| unknown(expression.text), |integer| Ok(Meaning::Integer(integer)))
             }
             ExpressionKind::Binary(sign, operands) => {
                 let [a, b] = [self.number(&operands[0])?, self.number(&operands[1])?];
@@ -276,13 +277,14 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// Whether it is a name that stands for an index, or begins with one.
+    /// Whether it is an index, or begins with one.
     fn is_integer(&self, expression: &Expression<'_>) -> bool {
         match &expression.kind {
             ExpressionKind::Path(path) => {
                 let local = self.names.get(path);
                 local.is_some_and(|&local| matches!(self.locals[local], Some(Meaning::Integer(_))))
             }
+            ExpressionKind::Integer(_) => true,
             ExpressionKind::Same(inner) => self.is_integer(inner),
             ExpressionKind::Binary(_, operands) => self.is_integer(&operands[0]),
             _ => false,
@@ -427,9 +429,6 @@ impl<'r> Reader<'r> {
                 Ok(Meaning::Call(name.to_string(), [factors, right_side.clone()].into()))
             }
             (list @ Meaning::List(_), "into_iter", []) => Ok(list),
-            (Meaning::List(entries), "step_by", [Meaning::Integer(stride @ 1..)]) => {
-                Ok(Meaning::list(entries.iter().step_by(*stride).cloned()))
-            }
             (Meaning::List(entries), "rev", []) => Ok(Meaning::list(entries.iter().rev().cloned())),
             (Meaning::List(rows), "flatten", []) => {
                 let mut all = Vec::new();

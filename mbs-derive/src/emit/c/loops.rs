@@ -30,10 +30,10 @@ impl Loops for C<'_, '_> {
     }
 
     fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
-        let Turns { index, first, end, stride, is_inwards } = turns;
+        let Turns { index, first, end, is_inwards } = turns;
         let head = match is_inwards {
-            false => format!("for (int {index} = {first}; {index} < {end}; {index} += {stride}) {{"),
-            true => format!("for (int {index} = {}; {index} >= {first}; {index} -= {stride}) {{", turns.last()),
+            false => format!("for (int {index} = {first}; {index} < {end}; {index} += 1) {{"),
+            true => format!("for (int {index} = {}; {index} >= {first}; {index} -= 1) {{", end - 1),
         };
         let inside = statements.into_iter().map(|line| format!("    {line}"));
         std::iter::once(head).chain(inside).chain(["}".to_string()]).collect()

@@ -7,7 +7,10 @@ use crate::expr::Symbol;
 use super::super::body::Body;
 use super::super::expression::Tree;
 use super::super::name::Scope;
-use super::{Family, Form, Forms, Group, Home, Loops, Parts, Rolled, Run, Seeds, Sink, Step, Turns, argument};
+use super::form::{Along, Family, Form, Forms, Seeds, component_of, run_of};
+use super::group::{Group, Groups, Sink, argument};
+use super::run::Run;
+use super::{Loops, Rolled, Step, Turns};
 
 /// An array with what it is called and the number of its first component.
 struct Array {
@@ -19,7 +22,7 @@ struct Array {
 /// Writes the steps.
 pub(super) struct Printer<'p> {
     loops: &'p dyn Loops,
-    parts: &'p Parts,
+    groups: &'p Groups,
     runs: &'p [Run],
     forms: &'p Forms,
     seeds: BTreeMap<usize, Vec<(Family, i64)>>,
@@ -39,53 +42,46 @@ impl<'p> Printer<'p> {
     pub(super) fn new(
         body: &Body<'_>,
         loops: &'p dyn Loops,
-        parts: &'p Parts,
+        groups: &'p Groups,
         runs: &'p [Run],
         forms: &'p Forms,
         seeds: &Seeds,
     ) -> Self {
         let mut scope = body.scope.clone();
-        let mut run_of = vec![None; parts.groups.len()];
-        for (number, run) in runs.iter().enumerate() {
-            run.groups.clone().for_each(|group| run_of[group] = Some(number));
-        }
+        let run_of = run_of(groups, runs);
         let [index, angles, results] = ["i", "angles", "results"].map(|name| scope.unique(name));
         let mut read: BTreeSet<Family> = [0, 1].map(Family::OfAngles).into();
-        for leaf in parts.groups.iter().flat_map(|group| &group.leaves) {
-            let Tree::Local(local) = leaf else { continue };
-            if let Home::Binding(home, at) = parts.homes[local]
-                && let Some(run) = run_of[home]
-            {
-                read.insert(Family::OfRun(run, at));
+        for leaf in groups.all.iter().flat_map(|group| &group.leaves) {
+            if let Tree::Local(local) = leaf {
+                read.extend(component_of(groups, runs, &run_of, *local).map(|(family, _)| family));
             }
         }
         let mut array = |family: Family| {
             let seeded = seeds.range((family, i64::MIN)..=(family, i64::MAX)).map(|((_, slot), _)| *slot);
             let (name, own) = match family {
                 Family::OfAngles(which) => {
-                    (["sines", "cosines"][which].to_string(), [0, parts.angles.len() as i64 - 1])
+                    (["sines", "cosines"][which].to_string(), [0, groups.angles.len() as i64 - 1])
                 }
-                Family::OfRun(run, at) => {
-                    let groups = &runs[run].groups;
-                    let first = &parts.groups[groups.start];
-                    let name = of_any_link(&body.locals[first.bindings[at].0]);
-                    (name, [first.number, parts.groups[groups.end - 1].number])
+                Family::OfRun(run, place, at) => {
+                    let run = &runs[run];
+                    let name = of_any_link(&body.locals[groups.all[run.groups.start + place].bindings[at].0]);
+                    (name, [run.first, run.first + run.turns() - 1])
                 }
             };
-            let (least, most) = seeded.chain(own).fold((own[0], own[0]), |(a, b), slot| (a.min(slot), b.max(slot)));
+            let (least, most) = seeded.fold((own[0], own[1]), |(a, b), slot| (a.min(slot), b.max(slot)));
             let count = usize::try_from(most - least + 1).unwrap_or(0);
             (family, Array { name: scope.unique(&name), first: least, count })
         };
         let arrays = read.into_iter().map(&mut array).collect();
         let mut by_local: BTreeMap<usize, Vec<(Family, i64)>> = BTreeMap::new();
         seeds.iter().for_each(|(&place, &local)| by_local.entry(local).or_default().push(place));
-        let singles = parts.groups.iter().filter(|group| group.sink.is_some()).count();
+        let singles = groups.all.iter().filter(|group| group.sink.is_some()).count();
         let mut locals = body.locals.clone();
         locals.extend(vec![String::new(); singles]);
         let (texts, tables, lists) = (BTreeMap::new(), Vec::new(), Vec::new());
         Printer {
             loops,
-            parts,
+            groups,
             runs,
             forms,
             seeds: by_local,
@@ -105,11 +101,11 @@ impl<'p> Printer<'p> {
     pub(super) fn print(mut self) -> Rolled {
         let (mut steps, mut group) = (Vec::new(), 0);
         loop {
-            if self.parts.sines_at == Some(group) {
+            if self.groups.sines_at == Some(group) {
                 let names = [0, 1].map(|which| self.arrays[&Family::OfAngles(which)].name.clone());
-                let (angles, count) = (self.angles.clone(), self.parts.angles.len());
+                let (angles, count) = (self.angles.clone(), self.groups.angles.len());
                 steps.push(Step::SinesAndCosines { names, angles, count });
-                let locals: Vec<usize> = self.parts.angles.iter().flatten().flatten().copied().collect();
+                let locals: Vec<usize> = self.groups.angles.iter().flatten().flatten().copied().collect();
                 locals.into_iter().for_each(|local| self.seed(local, &mut steps));
             }
             match self.run_of.get(group) {
@@ -117,7 +113,7 @@ impl<'p> Printer<'p> {
                 Some(Some(run)) => {
                     let run = *run;
                     let groups = self.runs[run].groups.clone();
-                    let [first, last] = [groups.start, groups.end - 1].map(|group| &self.parts.groups[group]);
+                    let [first, last] = [groups.start, groups.end - 1].map(|group| &self.groups.all[group]);
                     if first.sink.is_none() {
                         steps.push(Step::Links([first.number, last.number]));
                     }
@@ -128,7 +124,7 @@ impl<'p> Printer<'p> {
                         steps.push(Step::List(name, values));
                     }
                     steps.push(turns);
-                    for (local, _) in self.parts.groups[groups.clone()].iter().flat_map(|group| &group.bindings) {
+                    for (local, _) in self.groups.all[groups.clone()].iter().flat_map(|group| &group.bindings) {
                         self.seed(*local, &mut steps);
                     }
                     group = groups.end;
@@ -139,14 +135,14 @@ impl<'p> Printer<'p> {
                 }
             }
         }
-        let results = self.parts.groups.iter().filter(|group| group.sink == Some(Sink::Results));
+        let results = self.groups.all.iter().filter(|group| group.sink == Some(Sink::Results));
         let numbers: Vec<i64> = results.map(|group| group.number).collect();
         let results: Vec<Tree> = numbers.iter().map(|k| self.text(format!("{}[{k}]", self.results))).collect();
         let kept = self.arrays.iter().filter(|(family, _)| matches!(family, Family::OfRun(..)));
         let mut arrays: Vec<(String, usize)> = kept.map(|(_, array)| (array.name.clone(), array.count)).collect();
         arrays.push((self.results.clone(), results.len()));
-        if self.parts.sines_at.is_some() {
-            arrays.push((self.angles.clone(), self.parts.angles.len()));
+        if self.groups.sines_at.is_some() {
+            arrays.push((self.angles.clone(), self.groups.angles.len()));
         }
         let of_bits = |bits: Vec<u64>| bits.into_iter().map(f64::from_bits).collect();
         let tables = self.tables.into_iter().map(|(name, bits)| (name, of_bits(bits))).collect();
@@ -176,13 +172,20 @@ impl<'p> Printer<'p> {
         format!("{}[{}]", array.name, number - array.first)
     }
 
-    /// A component of an array that depends on the link of a loop.
-    fn shifted(&self, name: &str, shift: i64) -> String {
-        match shift {
-            0 => format!("{name}[{}]", self.index),
-            1.. => format!("{name}[{} + {shift}]", self.index),
-            _ => format!("{name}[{} - {}]", self.index, -shift),
+    /// A component of an array that depends on the turn of a loop.
+    fn along(&self, name: &str, Along { slope, start }: Along) -> String {
+        let index = &self.index;
+        let turn = if slope == 1 { index.clone() } else { format!("{slope} * {index}") };
+        match start {
+            0 => format!("{name}[{turn}]"),
+            1.. => format!("{name}[{turn} + {start}]"),
+            _ => format!("{name}[{turn} - {}]", -start),
         }
+    }
+
+    /// The component of this turn, of what begins with that of the turn `first`.
+    fn of_this_turn(&self, name: &str, first: i64) -> String {
+        self.along(name, Along { slope: 1, start: -first })
     }
 
     /// A leaf outside of loops.
@@ -192,15 +195,9 @@ impl<'p> Printer<'p> {
                 Some((name, number)) => self.text(format!("{name}[{number}]")),
                 None => leaf.clone(),
             },
-            Tree::Local(local) => match self.parts.homes[local] {
-                Home::OfAngle(which, angle) => self.text(self.component(Family::OfAngles(which), angle)),
-                Home::Binding(home, at) => match self.run_of[home] {
-                    Some(run) => {
-                        let number = self.parts.groups[home].number;
-                        self.text(self.component(Family::OfRun(run, at), number))
-                    }
-                    None => leaf.clone(),
-                },
+            Tree::Local(local) => match component_of(self.groups, self.runs, &self.run_of, *local) {
+                Some((family, number)) => self.text(self.component(family, number)),
+                None => leaf.clone(),
             },
             _ => leaf.clone(),
         }
@@ -208,7 +205,7 @@ impl<'p> Printer<'p> {
 
     /// The statements of a group that is in no loop.
     fn alone(&mut self, group: usize, steps: &mut Vec<Step>) {
-        let Group { number, sink, bindings, .. } = &self.parts.groups[group];
+        let Group { number, sink, bindings, .. } = &self.groups.all[group];
         if sink.is_none() && *number > 0 {
             steps.push(Step::Link(*number));
         }
@@ -240,32 +237,30 @@ impl<'p> Printer<'p> {
 
     /// A loop.
     fn run(&mut self, run: usize) -> Step {
-        let (runs, parts) = (self.runs, self.parts);
-        let Run { groups, step, period } = &runs[run];
-        let first = parts.groups[groups.start].number;
+        let Run { period, distance, first, .. } = self.runs[run];
         let mut steps = Vec::new();
-        for place in 0..*period {
+        for place in 0..period {
             self.turn(run, place, &mut steps);
         }
-        let count = groups.len() as i64;
-        let range = if *step < 0 { first - count + *period as i64..first + 1 } else { first..first + count };
-        let [first, end] = [range.start, range.end].map(|number| usize::try_from(number).unwrap_or(0));
-        let turns = Turns { index: self.index.clone(), first, end, stride: *period, is_inwards: *step < 0 };
-        Step::Loop(turns, steps)
+        let [first, end] = [first, first + self.runs[run].turns()].map(|index| usize::try_from(index).unwrap_or(0));
+        Step::Loop(Turns { index: self.index.clone(), first, end, is_inwards: distance < 0 }, steps)
     }
 
     /// The statements of the groups at this place in the turns of a loop.
-    fn turn(&mut self, run: usize, place: usize, steps: &mut Vec<Step>) {
-        let (forms, Run { groups, step, .. }) = (&self.forms[run][place], &self.runs[run]);
-        let group = &self.parts.groups[groups.start + place];
-        let ahead = place as i64 * step;
+    fn turn(&mut self, number: usize, place: usize, steps: &mut Vec<Step>) {
+        let (forms, run) = (&self.forms[number][place], &self.runs[number]);
+        let group = &self.groups.all[run.groups.start + place];
         let own: BTreeMap<usize, usize> =
             group.bindings.iter().enumerate().map(|(at, (local, _))| (*local, at)).collect();
         let mut places = Vec::new();
         for (at, (local, _)) in group.bindings.iter().enumerate() {
-            let kept = match (self.sink(group.sink), self.arrays.get(&Family::OfRun(run, at))) {
-                (Some(array), _) => Some(self.shifted(&array, ahead)),
-                (None, array) => array.map(|array| self.shifted(&array.name, ahead - array.first)),
+            let kept = match (self.sink(group.sink), self.arrays.get(&Family::OfRun(number, place, at))) {
+                (Some(array), _) => {
+                    let slope = run.distance.abs();
+                    let start = group.number - slope * run.turn_of(run.groups.start + place);
+                    Some(self.along(&array, Along { slope, start }))
+                }
+                (None, array) => array.map(|array| self.of_this_turn(&array.name, array.first)),
             };
             places.push(match kept {
                 Some(component) => (self.place(component), true),
@@ -289,34 +284,22 @@ impl<'p> Printer<'p> {
                 }
                 match forms.next() {
                     None | Some(Form::Same) => self.leaf(tree),
-                    Some(Form::Argument(name, shift)) => self.text(self.shifted(name, shift + ahead)),
-                    Some(Form::Component(family, shift)) => {
-                        let Array { name, first, .. } = &self.arrays[family];
-                        self.text(self.shifted(name, shift + ahead - first))
+                    Some(&Form::Argument(name, along)) => self.text(self.along(name, along)),
+                    Some(&Form::Component(family, along)) => {
+                        let Array { name, first, .. } = &self.arrays[&family];
+                        self.text(self.along(name, Along { start: along.start - first, ..along }))
                     }
                     Some(Form::Table(bits)) => {
-                        let component = self.table(bits) + &self.entry(run, place);
-                        self.text(self.loops.number(&component))
+                        let table = self.table(bits);
+                        self.text(self.loops.number(&self.of_this_turn(&table, run.first)))
                     }
                     Some(Form::List(values)) => {
-                        let component = self.list(values) + &self.entry(run, place);
-                        self.text(component)
+                        let list = self.list(values);
+                        self.text(self.of_this_turn(&list, run.first))
                     }
                 }
             });
             steps.push(if is_kept { Step::Keep(kept_at, tree) } else { Step::Let(kept_at, tree) });
-        }
-    }
-
-    /// `[i - 4]`: the index of what belongs to a link at this place in the turns of a loop, among all of its kind.
-    fn entry(&self, run: usize, place: usize) -> String {
-        let Run { groups, step, period } = &self.runs[run];
-        let numbers = self.parts.groups[groups.clone()].iter().skip(place).step_by(*period);
-        let least = numbers.map(|group| group.number).min().unwrap_or(0);
-        let entry = self.shifted("", place as i64 * step - least);
-        match period {
-            1 => entry,
-            _ => format!("[({}) / {period}]", entry.trim_matches(['[', ']'])),
         }
     }
 

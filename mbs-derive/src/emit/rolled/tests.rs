@@ -41,6 +41,42 @@ fn rope(links: usize) -> String {
     )
 }
 
+/// Links on universal joints: what turns about a line is a link of no mass, and the angles about the second lines stand
+/// behind all those about the first.
+fn cable(links: usize) -> String {
+    format!(
+        "mechanism Cable {{
+            coord a[{links}]: rad;
+            coord b[{links}]: rad;
+            let mut link = world;
+            for i in 0..{links} {{
+                link = link * rot_x(a[i]) * rot_y(b[i]);
+                kinetic += rigid_body(2 kg, [0, 0, -0.15 m], diag(0.02 kg*m^2, 0.02 kg*m^2, 0.003 kg*m^2), link);
+                potential += 2 kg * 9.81 m/s^2 * link.point([0, 0, -0.15 m]).z + 3 N*m*(a[i]^2 + b[i]^2)/2;
+                link = link * translation([0, 0, -0.3 m]);
+            }}
+        }}"
+    )
+}
+
+/// Telescopes in a row: joints of two kinds, coordinates in turn.
+fn telescopes(links: usize) -> String {
+    format!(
+        "mechanism Telescopes {{
+            coord q[{links}]: rad;
+            coord s[{links}]: m;
+            let mut link = world;
+            for i in 0..{links} {{
+                link = link * rotation([0.6, 0, 0.8], q[i]) * translation([0.1 m, 0, 0.3 m]);
+                kinetic += rigid_body(1 kg, [0.1 m, 0, 0], diag(0.02 kg*m^2, 0.03 kg*m^2, 0.04 kg*m^2), link);
+                link = link * translation([0, s[i], 0]) * rot_x(0.3);
+                kinetic += rigid_body(2 kg, [0, 0.1 m, 0], diag(0.02 kg*m^2, 0.01 kg*m^2, 0.02 kg*m^2), link);
+                potential += 100 N/m*s[i]^2/2;
+            }}
+        }}"
+    )
+}
+
 /// A sledge that carries two chains, of links that grow heavier and of such that do not.
 const FORK: &str = "mechanism Chain {
     coord s: m;
@@ -154,6 +190,24 @@ fn parameters_of_each_link_come_from_lists() {
     let (in_c, right) = emitted_of(&rope(40), Language::C, &mutations);
     assert!(in_c.contains("const mbs_real values[") && in_c.len() < code.len());
     assert_eq!(right, [false; 7]);
+}
+
+/// A turn of a loop may be several links, whose statements are other ones.
+#[test]
+fn joints_of_several_kinds_are_one_loop() {
+    let statements = |code: &str| code.lines().filter(|line| line.contains(" = ")).count();
+    for (chain, index, wrong) in
+        [(cable as fn(usize) -> String, "[2 * i", "[3 * i"), (telescopes, "[i + 26]", "[i + 25]")]
+    {
+        let mutations = [("[i]", "[i - 1]"), ("[i - 1]", "[i]"), (index, wrong)];
+        let (shorter, right) = emitted_of(&chain(26), Language::Rust, &mutations);
+        assert_eq!(right, [false; 3]);
+        let (longer, _) = emitted_of(&chain(34), Language::Rust, &[]);
+        let [few, more] = [statements(&shorter), statements(&longer)];
+        assert!(few.abs_diff(more) * 20 < few, "{few} {more}");
+        let (_, right) = emitted_of(&chain(26), Language::C, &mutations);
+        assert_eq!(right, [false; 3]);
+    }
 }
 
 /// What turns by itself with its joint is no body of the chain: accelerations need M.

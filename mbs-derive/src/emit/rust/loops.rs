@@ -27,13 +27,8 @@ impl Loops for Rust<'_, '_> {
 
     /// In one line: what stands in it is read as tokens.
     fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
-        let Turns { index, first, end, stride, is_inwards } = turns;
-        let links = match (stride, is_inwards) {
-            (1, false) => format!("{first}..{end}"),
-            (1, true) => format!("({first}..{end}).rev()"),
-            (stride, false) => format!("({first}..{end}).step_by({stride})"),
-            (stride, true) => format!("({first}..{end}).step_by({stride}).rev()"),
-        };
+        let Turns { index, first, end, is_inwards } = turns;
+        let links = if *is_inwards { format!("({first}..{end}).rev()") } else { format!("{first}..{end}") };
         vec![format!("for {index} in {links} {{ {} }}", statements.join("\n"))]
     }
 }

@@ -323,29 +323,26 @@ impl<'t> Reader<'_, 't> {
         self.expect(close).map(|()| place)
     }
 
-    /// `3`; in a loop also `i`, `i - 1`, `i + 2`, `(i - 1) / 2`.
+    /// `3`; in a loop also `i`, `i - 1`, `i + 2`, `2 * i + 1`.
     fn place(&mut self) -> Reading<usize> {
         let Some((index, value)) = self.turn.as_ref().map(|turn| (turn.index, turn.value)) else {
             return self.integer();
         };
-        let is_divided = self.takes("(");
-        let mut place = if self.takes(index) { value } else { self.integer()? };
-        let sum = if self.takes("+") {
-            place.checked_add(self.integer()?)
-        } else if self.takes("-") {
-            place.checked_sub(self.integer()?)
-        } else {
-            Some(place)
+        let mut place = match self.takes(index) {
+            true => Some(value),
+            false => {
+                let number = self.integer()?;
+                if self.takes("*") { self.expect(index).map(|()| number.checked_mul(value))? } else { Some(number) }
+            }
         };
-        let Some(sum) = sum else { return self.unknown() };
-        place = sum;
-        if is_divided {
-            self.expect(")")?;
-            self.expect("/")?;
-            let Some(quotient) = place.checked_div(self.integer()?) else { return self.unknown() };
-            place = quotient;
+        if self.takes("+") {
+            let more = self.integer()?;
+            place = place.and_then(|place| place.checked_add(more));
+        } else if self.takes("-") {
+            let less = self.integer()?;
+            place = place.and_then(|place| place.checked_sub(less));
         }
-        Ok(place)
+        place.map_or_else(|| self.unknown(), Ok)
     }
 
     /// A function by its name, and the bracket behind it.

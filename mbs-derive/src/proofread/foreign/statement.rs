@@ -265,7 +265,7 @@ impl<'t> Reader<'_, 't> {
         numbers.ok_or_else(|| format!("`{array}` has not all of its values"))
     }
 
-    /// `for (int i = 1; i < 9; i += 2) { … }`, or `for (int i = 7; i >= 1; i -= 2) { … }`: read once for each turn.
+    /// `for (int i = 1; i < 9; i += 1) { … }`, or `for (int i = 7; i >= 1; i -= 1) { … }`: read once for each turn.
     fn repeated(&mut self) -> Reading<()> {
         if self.turn.is_some() {
             return self.unknown();
@@ -283,14 +283,9 @@ impl<'t> Reader<'_, 't> {
             self.expect("<")?;
         }
         let end = self.integer()?;
-        [";", index, if is_inwards { "-=" } else { "+=" }].into_iter().try_for_each(|word| self.expect(word))?;
-        let stride = self.integer()?;
-        [")", "{"].into_iter().try_for_each(|word| self.expect(word))?;
-        let values: Vec<usize> = match (stride, is_inwards) {
-            (0, _) => Vec::new(),
-            (stride, false) => (first..end).step_by(stride).collect(),
-            (stride, true) => (end..=first).rev().step_by(stride).collect(),
-        };
+        let onwards = if is_inwards { "-=" } else { "+=" };
+        [";", index, onwards, "1", ")", "{"].into_iter().try_for_each(|word| self.expect(word))?;
+        let values: Vec<usize> = if is_inwards { (end..=first).rev().collect() } else { (first..end).collect() };
         if values.is_empty() {
             return Err("a loop has no turns".to_string());
         }
