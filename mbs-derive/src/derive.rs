@@ -111,8 +111,8 @@ pub(crate) fn derived_by<'g>(
     let is_long = symbols.q.len() > FEW_COORDINATES;
     let may_leave_out = left_out.mass_matrix && is_long && (left_out.outputs || !has_outputs);
     // Outputs need M: where bodies are not all that there is, they are kept.
-    let is_chain =
-        is_long_chain || (left_out.outputs || !has_outputs) && lifted.as_ref().is_some_and(Lifted::has_all_inertia);
+    let is_chain = is_long_chain
+        || (left_out.outputs || !has_outputs) && lifted.as_ref().is_some_and(|lifted| lifted.has_all_inertia(symbols));
     let leaves_out_of_chain = left_out.mass_matrix && is_long && is_chain && lagrangian.constraints.is_empty();
     let left_out = LeftOut { mass_matrix: leaves_out_of_chain, ..left_out };
     let plain = (!is_long_chain && !leaves_out_of_chain).then(|| lagrange::equations(energies, symbols, left_out));

@@ -1,6 +1,6 @@
 //! Bodies and gravity, found again among the declared energies.
 
-use crate::expr::{Expr, Graph, Matrix, Node, Symbol, Vector, evaluate};
+use crate::expr::{Expr, Graph, Matrix, Node, Symbol, Vector, evaluate, gradient};
 use crate::model::lagrangian::Application;
 use crate::model::landmark::Place;
 use crate::model::{Body, Edge, FrameId, Lagrangian, PointForce};
@@ -11,7 +11,7 @@ use super::tree::force_element::{Anchor, ForceElement, Held};
 use super::tree::inertia::Inertia;
 use super::tree::linkage::{Linkage, Seat};
 use super::tree::load::Load;
-use super::{Energies, carried, generalized_forces, sum};
+use super::{Energies, Symbols, carried, generalized_forces, sum};
 
 /// A mechanism as a tree of masses in a uniform field, and everything else that it has.
 #[derive(Clone, Debug)]
@@ -34,18 +34,30 @@ pub(super) struct Lifted<'g> {
     pub(crate) rest: Energies<'g>,
 }
 
-impl Lifted<'_> {
+impl<'g> Lifted<'g> {
     /// Whether T and V are bodies and their weight and nothing else, on joints that follow the coordinates linearly.
     pub(crate) fn is_all(&self) -> bool {
         self.rest.lagrangian.is_zero() && self.linkage.is_linear()
     }
 
-    /// Whether nothing but bodies, on such joints, has inertia: what is left is of the coordinates alone, as springs
-    /// are.
-    pub(crate) fn has_all_inertia(&self) -> bool {
+    /// Whether nothing has inertia but bodies, on such joints, and what moves with one coordinate, as rotors do.
+    pub(crate) fn has_all_inertia(&self, symbols: &Symbols) -> bool {
+        self.linkage.is_linear() && self.own_inertia(symbols).is_some()
+    }
+
+    /// `∂²L/∂q̇ᵢ²` of what is no body; `None` where rates are coupled there, or L is no polynomial of them.
+    pub(crate) fn own_inertia(&self, symbols: &Symbols) -> Option<Vec<Expr<'g>>> {
         let graph = self.rest.lagrangian.graph();
-        let moves = |id| matches!(graph.node(id), Node::Symbol(Symbol::Velocity(_)));
-        self.linkage.is_linear() && !graph.reachable([self.rest.lagrangian.id()]).into_iter().any(moves)
+        let has_rates = |e: Expr<'g>, besides: Option<Symbol>| {
+            let is_rate = |symbol| matches!(symbol, Symbol::Velocity(_)) && Some(symbol) != besides;
+            let mut nodes = graph.reachable([e.id()]).into_iter();
+            nodes.any(|id| matches!(graph.node(id), Node::Symbol(symbol) if is_rate(symbol)))
+        };
+        let own = |(momentum, &rate): (Expr<'g>, &Symbol)| {
+            let inertia = gradient(momentum, &[rate])[0];
+            (!has_rates(momentum, Some(rate)) && !has_rates(inertia, None)).then_some(inertia)
+        };
+        gradient(self.rest.lagrangian, &symbols.qd).into_iter().zip(&symbols.qd).map(own).collect()
     }
 }
 

@@ -43,6 +43,7 @@ use crate::expr::{Expr, Node, Symbol, Tangent, Vector, gradient};
 use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
 use super::{Energies, Lagrange, LeftOut, Rows, Symbols};
+use articulated::Drive;
 use force_element::{Anchor, Held};
 use inertia::Inertia;
 use linkage::{Accelerations, Linkage};
@@ -140,6 +141,8 @@ struct Tree<'g> {
     joint_jacobian: Vec<Vec<(usize, Expr<'g>)>>,
     /// The number of coordinates; no edge moves where all bodies rest.
     coordinates: usize,
+    /// Of each coordinate the inertia of what moves with it alone and is no body; `None` where there is another one.
+    own_inertia: Option<Vec<Expr<'g>>>,
 }
 
 impl<'g> Tree<'g> {
@@ -175,8 +178,21 @@ impl<'g> Tree<'g> {
         let numbers = symbols.q.iter().enumerate().map(|(k, &symbol)| (symbol, k)).collect();
         let joint_jacobian = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &numbers)).collect();
         let gravity = lifted.gravity;
-        let coordinates = symbols.q.len();
-        Tree { linkage, inertias, drags, twists, gravity, loads, springs, dampers, moving, joint_jacobian, coordinates }
+        let (coordinates, own_inertia) = (symbols.q.len(), lifted.own_inertia(symbols));
+        Tree {
+            linkage,
+            inertias,
+            drags,
+            twists,
+            gravity,
+            loads,
+            springs,
+            dampers,
+            moving,
+            joint_jacobian,
+            coordinates,
+            own_inertia,
+        }
     }
 
     /// Whether nothing acts on the links that is neither inertia nor follows from V.
@@ -239,7 +255,8 @@ impl<'g> Tree<'g> {
         self.swept_back(self.applied())
     }
 
-    /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing else has inertia.
+    /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing has inertia but bodies and
+    /// what moves with one coordinate.
     fn accelerations(&self, rest: &Lagrange<'g>) -> Option<Vec<Expr<'g>>> {
         let one = self.gravity.0[0].graph().integer(1);
         let coordinate = |slopes: &Vec<(usize, Expr<'g>)>| match slopes.as_slice() {
@@ -254,15 +271,13 @@ impl<'g> Tree<'g> {
             }
         }
         let joints: Vec<usize> = joints.into_iter().collect::<Option<_>>()?;
-        if !rest.mass_matrix.iter().flatten().all(|entry| entry.is_zero()) {
-            return None;
-        }
-        let mut forces = vec![None; self.linkage.links.len()];
+        let own_inertia = self.own_inertia.as_ref()?;
+        let mut drives = vec![None; self.linkage.links.len()];
         for (&link, &k) in self.moving.iter().zip(&coordinates) {
-            forces[link] = Some(rest.free_force[k]);
+            drives[link] = Some(Drive { force: rest.free_force[k], inertia: own_inertia[k] });
         }
         let wrenches = less(self.resisted(self.inertial(Accelerations::Zero)), self.applied());
-        let found = articulated::accelerations(&self.linkage, &self.inertias, wrenches, &forces);
+        let found = articulated::accelerations(&self.linkage, &self.inertias, wrenches, &drives);
         joints.into_iter().map(|joint| found[self.moving[joint]]).collect()
     }
 

@@ -9,7 +9,8 @@
 //!
 //! Here (α, a) is what the accelerations q̈ of the joints add to the motion with `q̈ = 0`, which is swept already, and
 //! (p, m) the wrench that this motion takes, less the loads. A joint with the unit motion s takes the momentum
-//! `U = (M, H, J) s`; with `D = s·U` and the force τ along it
+//! `U = (M, H, J) s`; with `D = s·U + I` and the force τ along it, I being what moves with the joint alone, such as the
+//! rotor of its motor
 //!
 //! ```text
 //! u = τ − s·(p, m)     q̈ = (u − U·(α, a))/D     (M, H, J)' = (M, H, J) − U Uᵀ/D     (p, m)' = (p, m) + U u/D
@@ -28,12 +29,21 @@ use super::linkage::{Edge, Linkage};
 use super::notation;
 use super::wrench::{Wrench, turned_about};
 
-/// q̈ of each joint that a force is given for, from the wrenches that the links take at `q̈ = 0`.
+/// What acts along a joint, and what moves with it alone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drive<'g> {
+    /// τ
+    pub(super) force: Expr<'g>,
+    /// I
+    pub(super) inertia: Expr<'g>,
+}
+
+/// q̈ of each joint that is driven, from the wrenches that the links take at `q̈ = 0`.
 pub(super) fn accelerations<'g>(
     linkage: &Linkage<'g>,
     inertias: &[Inertia<'g>],
     mut wrenches: Vec<Wrench<'g>>,
-    forces: &[Option<Expr<'g>>],
+    drives: &[Option<Drive<'g>>],
 ) -> Vec<Option<Expr<'g>>> {
     let joints = linkage.joints();
     let mut bodies: Vec<Articulated<'g>> = inertias.iter().map(Articulated::of).collect();
@@ -45,11 +55,11 @@ pub(super) fn accelerations<'g>(
         if !is_rigid[number] {
             bodies[number].note(joints[number]);
         }
-        if let Some(force) = forces[number] {
-            let joint = Freed::of(&bodies[number], &wrenches[number], &edge, force);
+        if let Some(drive) = drives[number] {
+            let joint = Freed::of(&bodies[number], &wrenches[number], &edge, drive);
             joint.note(joints[number], is_rigid[number]);
             bodies[number] = bodies[number].beyond(&joint, &edge);
-            wrenches[number] = joint.transmitted(wrenches[number], &edge, force);
+            wrenches[number] = joint.transmitted(wrenches[number], &edge);
             freed[number] = Some(joint);
             is_rigid[number] = false;
         }
@@ -126,11 +136,13 @@ impl<'g> Articulated<'g> {
 
     /// `(M, H, J) − U Uᵀ/D`: what the parent feels of it.
     ///
-    /// What moves along the joint is not felt at all: entries that are zero for that reason are not computed.
+    /// What moves along a joint that has no inertia of its own is not felt at all: entries that are zero for that reason
+    /// are not computed.
     fn beyond(&self, joint: &Freed<'g>, edge: &Edge<'g>) -> Self {
         let ([f, n], [f_d, n_d]) = (joint.momentum, joint.per_unit);
         let zero = self.mass.diagonal[0].graph().integer(0);
         let (turn, slide) = match *edge {
+            _ if !joint.is_bare() => (None, None),
             Edge::Revolute { axis, .. } => (Some(axis), None),
             _ => (None, edge.slides_along()),
         };
@@ -201,6 +213,7 @@ impl<'g> Articulated<'g> {
 /// A joint that is free to move.
 #[derive(Clone, Copy, Debug)]
 struct Freed<'g> {
+    drive: Drive<'g>,
     /// U, force and couple.
     momentum: [Vector<'g>; 2],
     /// `U/D`
@@ -212,27 +225,37 @@ struct Freed<'g> {
 }
 
 impl<'g> Freed<'g> {
-    fn of(body: &Articulated<'g>, wrench: &Wrench<'g>, edge: &Edge<'g>, force: Expr<'g>) -> Self {
+    fn of(body: &Articulated<'g>, wrench: &Wrench<'g>, edge: &Edge<'g>, drive: Drive<'g>) -> Self {
         let momentum = body.momentum(edge);
-        let graph = force.graph();
+        let graph = drive.force.graph();
         let zero = graph.integer(0);
         let along = |wrench: &Wrench<'g>| wrench.along(edge).unwrap_or(zero);
-        let reciprocal = along(&momentum).powi(-1);
+        let reciprocal = (along(&momentum) + drive.inertia).powi(-1);
         let momentum = [momentum.force, momentum.couple];
-        let mut per_unit = momentum.map(|part| part.scale(reciprocal));
-        if let Edge::Revolute { axis, .. } = *edge {
-            per_unit[1].0[axis] = graph.integer(1);
+        let per_unit = momentum.map(|part| part.scale(reciprocal));
+        let force = drive.force - along(wrench);
+        let mut freed = Freed { drive, momentum, per_unit, force, own: force * reciprocal };
+        if let Edge::Revolute { axis, .. } = *edge
+            && freed.is_bare()
+        {
+            freed.per_unit[1].0[axis] = graph.integer(1);
         }
-        let force = force - along(wrench);
-        Freed { momentum, per_unit, force, own: force * reciprocal }
+        freed
     }
 
-    /// `(p, m) + U u/D`; along the joint that is the force that drives it.
-    fn transmitted(&self, wrench: Wrench<'g>, edge: &Edge<'g>, force: Expr<'g>) -> Wrench<'g> {
+    /// Whether nothing moves with the joint alone.
+    fn is_bare(&self) -> bool {
+        self.drive.inertia.is_zero()
+    }
+
+    /// `(p, m) + U u/D`; along a joint that has no inertia of its own that is the force that drives it.
+    fn transmitted(&self, wrench: Wrench<'g>, edge: &Edge<'g>) -> Wrench<'g> {
         let [f, n] = self.momentum.map(|part| part.scale(self.own));
         let mut transmitted = wrench.plus(Wrench::new(f, n));
-        if let Edge::Revolute { axis, .. } = *edge {
-            transmitted.couple.0[axis] = force - wrench.about_edge;
+        if let Edge::Revolute { axis, .. } = *edge
+            && self.is_bare()
+        {
+            transmitted.couple.0[axis] = self.drive.force - wrench.about_edge;
         }
         transmitted
     }
@@ -320,8 +343,8 @@ mod tests {
     use super::*;
     use crate::expr::{Graph, Symbol};
 
-    /// Turns, a shift and slides, one of them skew, on two branches: `M q̈` with M by composite bodies is the force
-    /// less what the wrenches do along the joints.
+    /// Turns, a shift and slides, one of them skew, on two branches, some of which have an inertia of their own: `M q̈`
+    /// with M by composite bodies is the force less what the wrenches do along the joints.
     #[test]
     fn accelerations_solve_the_equations_with_the_mass_matrix() {
         let graph = Graph::new();
@@ -347,16 +370,21 @@ mod tests {
             })
             .collect();
         let moving = [1, 3, 4, 5, 6];
-        let mut forces = vec![None; 7];
-        moving.iter().for_each(|&link| forces[link] = Some(graph.integer(100 * link as i64)));
+        let own = |link: usize| [0, 30, 0, 0, 50, 70, 0][link];
+        let mut drives = vec![None; 7];
+        for link in moving {
+            let [force, inertia] = [100 * link as i64, own(link)].map(|number| graph.integer(number));
+            drives[link] = Some(Drive { force, inertia });
+        }
 
-        let found = accelerations(&linkage, &inertias, wrenches.clone(), &forces);
+        let found = accelerations(&linkage, &inertias, wrenches.clone(), &drives);
         let found: Vec<f64> = moving.iter().map(|&link| value(found[link].expect("it moves"))).collect();
         let taken = super::super::newton_euler::joint_forces(&linkage, wrenches);
         let composites = composite::composites(&linkage, &inertias);
         let mass_matrix = composite::mass_matrix(&linkage, &moving, &composites);
-        for (row, &link) in mass_matrix.iter().zip(&moving) {
-            let inertial: f64 = row.iter().zip(&found).map(|(entry, acceleration)| value(*entry) * acceleration).sum();
+        for ((row, &link), alone) in mass_matrix.iter().zip(&moving).zip(&found) {
+            let inertial = row.iter().zip(&found).map(|(entry, acceleration)| value(*entry) * acceleration);
+            let inertial = inertial.sum::<f64>() + own(link) as f64 * alone;
             let expected = 100.0 * link as f64 - value(taken[link].expect("it moves"));
             assert!((inertial - expected).abs() <= 1e-9 * expected.abs(), "{inertial} {expected}");
         }

@@ -210,12 +210,16 @@ fn joints_of_several_kinds_are_one_loop() {
     }
 }
 
-/// What turns by itself with its joint is no body of the chain: accelerations need M.
+/// What moves with one joint alone, a rotor, leaves a chain what it is; what couples two rates does not: then accelerations
+/// need M.
 #[test]
-fn joints_with_inertia_are_no_chain_of_bodies() {
-    let text = rope(40).replace("potential +=", "kinetic += (1 kg*m^2)*dt(q[i])^2/2; potential +=");
-    let (code, _) = emitted_of(&text, Language::Rust, &[]);
-    assert!(code.contains("ldlt_solve"));
+fn rotors_are_part_of_a_chain() {
+    let text =
+        |rate: &str| rope(40).replace("potential +=", &format!("kinetic += (1 kg*m^2)*({rate})^2/2; potential +="));
+    let [(driven, _), (coupled, _)] =
+        ["dt(q[i])", "dt(q[i]) + dt(q[0])"].map(|rate| emitted_of(&text(rate), Language::Rust, &[]));
+    assert!(!driven.contains("ldlt_solve") && driven.contains(".rev()"));
+    assert!(coupled.contains("ldlt_solve"));
 }
 
 #[test]
