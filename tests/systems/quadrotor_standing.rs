@@ -2,11 +2,15 @@
 
 mod carried;
 
+use mbs_landing::estimator::filter::{Filter, Uncertainty};
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::deck::{Deck, DeckState, MovingDeck};
+use mbs_landing::quadrotor::estimated::inertial_state;
 use mbs_landing::quadrotor::gear::{Damping, Gear};
 use mbs_landing::quadrotor::landing::{HEIGHT, Landing, Plant};
 use mbs_landing::quadrotor::standing::{Ending, Moment, Planned, Settled, Standing, Start, twist, with_quaternion};
+use mbs_landing::sensors::Sensors;
+use mbs_landing::sensors::imu::Biases;
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use mbs_models::quadrotor_quaternion::{Params, QuadrotorQuaternion};
 use mbs_models::{Error, Failure};
@@ -259,7 +263,7 @@ fn the_balance_of_energy_holds_on_a_deck_at_sea() {
     close(a * a + b * b + c * c + d * d, 1.0, 1e-8);
 }
 
-/// A landing with legs ends where the first foot meets the deck, whether its controller is sampled or not.
+/// A landing with legs ends where the first foot meets the deck, whatever the controller sees and when it acts.
 #[test]
 fn a_vehicle_with_legs_touches_with_its_first_foot() {
     let deck = MovingDeck { motion: Superposition::MARINE, base: [12.0, 7.0, -1.1], point: [0.4, -0.3, 0.3] };
@@ -267,7 +271,15 @@ fn a_vehicle_with_legs_touches_with_its_first_foot() {
     let landing = Landing { gear: Some(gear), ..Landing::on(Plant::Exact, deck) };
     let start = Landing::initial_state();
     let vehicle = QuadrotorQuaternion::default();
-    let ends = [landing.simulate(start, |_, _, _| ()), landing.simulate_sampled(start, 0.002, |_, state| *state)];
+    let sensors = Sensors::TYPICAL;
+    let deviations = Uncertainty::START.deviations(&sensors.imu);
+    let said = inertial_state(&start, &sensors, Biases::default());
+    let filter = Filter::new(&sensors.imu, said, Vector3::new(12.0, 7.0, 0.0), &deviations);
+    let ends = [
+        landing.simulate(start, |_, _, _| ()),
+        landing.simulate_sampled(start, 0.002, |_, state| *state),
+        landing.simulate_estimated(start, &sensors, Biases::default(), filter, || 0.0, |_| ()),
+    ];
     for end in ends.map(Result::unwrap) {
         let contact = gear.contact(&twist(&vehicle, &with_quaternion(&end.state)), &end.deck);
         close(contact.deepest(), 0.0, 1e-9);

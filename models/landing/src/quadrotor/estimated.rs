@@ -146,7 +146,7 @@ impl<D: Deck> Landing<D> {
             accelerations: |held: &Command, t: f64, q: &[f64; 6], qd: &[f64; 6]| {
                 self.accelerations(t, q, qd, &held.rotors.speed)
             },
-            height: |t: f64, state: &State<[f64; 6]>| self.height(t, &state.q) - self.touchdown_height,
+            height: |t: f64, state: &State<[f64; 6]>| self.above(t, &state.q),
         };
         let (time, state) = run.until_touchdown(state)?;
         way.touchdown(self.vehicle.params().drag_factor, time, state, self.deck.at(time))

@@ -76,7 +76,7 @@ pub fn fly(
         accelerations: |speeds: &[f64; ROTORS], t: f64, q: &[f64; 6], qd: &[f64; 6]| {
             landing.accelerations(t, q, qd, speeds)
         },
-        height: |t: f64, state: &State<[f64; 6]>| landing.height(t, &state.q) - landing.touchdown_height,
+        height: |t: f64, state: &State<[f64; 6]>| landing.above(t, &state.q),
     };
     let (time, state) = run.until_touchdown(state)?;
     let deck = landing.deck.at(time);

@@ -4,9 +4,10 @@ use std::vec::Vec;
 
 use mbs_models::quadrotor_euler::{Params, QuadrotorEuler};
 use mbs_models::{At, Error, Failure};
+use mbs_platform::geometry::attitude;
 use mbs_runtime::control::discrete_lqr;
 use mbs_runtime::{Dual, Scalar, to_matrix};
-use nalgebra::{Matrix1, Matrix2, SMatrix, Vector1, Vector2};
+use nalgebra::{Matrix1, Matrix2, SMatrix, Vector1, Vector2, Vector3};
 
 use super::controller::{Descent, Horizon, Memory, PredictiveController};
 use super::flight::{Replanning, fly};
@@ -14,8 +15,9 @@ use super::limits::{Limits, Sight};
 use super::problem::{Condition, Cost, FreeEnd, OptimalControl, Plan, Step};
 use super::sequential::{Options, Sequential};
 use super::shortest::ShortestLanding;
-use super::step::{InputVector, Prediction, STATES, StateVector};
+use super::step::{InputVector, Prediction, ROTORS, STATES, StateVector};
 use crate::quadrotor::deck::HeavingDeck;
+use crate::quadrotor::gear::Gear;
 use crate::quadrotor::heave::Heave;
 use crate::quadrotor::landing::{Landing, Plant};
 
@@ -378,6 +380,20 @@ fn a_landing_that_is_planned_anew_ends_softly_in_wind() {
     assert!(touchdown.relative_velocity > -limits.touchdown.sink_rate, "{}", touchdown.relative_velocity);
     assert!(touchdown.horizontal_offset < limits.touchdown.offset, "{}", touchdown.horizontal_offset);
     assert!(moments.iter().all(|moment| moment.tilt < limits.tilt && moment.visibility > 0.0));
+}
+
+/// Its rotors stand: it falls, tilted as it is, until a foot of its legs meets the deck.
+#[test]
+fn a_flight_with_legs_ends_with_the_first_foot() {
+    let gear = Gear::default();
+    let landing = Landing { gear: Some(gear), ..windy() };
+    let still = |_: f64, _: &_| Ok([0.0; ROTORS]);
+    let (touchdown, _) = fly(&landing, &Limits::default(), Landing::initial_state(), 0.01, still).unwrap();
+    let [x, y, z, ..] = touchdown.state.q;
+    let turned = to_matrix(&attitude(&touchdown.state.q));
+    let height = |foot| touchdown.deck.height(&(Vector3::new(x, y, z) + turned * Vector3::from(foot)).into());
+    let lowest = gear.feet().map(height).into_iter().fold(f64::INFINITY, f64::min);
+    assert!(lowest.abs() < 1e-9, "{lowest}");
 }
 
 #[test]
