@@ -9,15 +9,16 @@ use mbs_landing::quadrotor::estimated::inertial_state;
 use mbs_landing::quadrotor::gear::{Damping, Gear};
 use mbs_landing::quadrotor::landing::{HEIGHT, Landing, Plant};
 use mbs_landing::quadrotor::standing::{Ending, Moment, Planned, Settled, Standing, Start, twist, with_quaternion};
+use mbs_landing::quadrotor::touchdown::Touchdown;
 use mbs_landing::sensors::Sensors;
 use mbs_landing::sensors::imu::Biases;
 use mbs_models::quadrotor_euler::QuadrotorEuler;
 use mbs_models::quadrotor_quaternion::{Params, QuadrotorQuaternion};
 use mbs_models::{Error, Failure};
 use mbs_platform::Superposition;
-use mbs_runtime::State;
+use mbs_runtime::{State, to_matrix, to_rows};
 use mbs_tests::random::states;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 
 #[track_caller]
 fn close(found: f64, expected: f64, tolerance: f64) {
@@ -263,6 +264,20 @@ fn the_balance_of_energy_holds_on_a_deck_at_sea() {
     close(a * a + b * b + c * c + d * d, 1.0, 1e-8);
 }
 
+/// How fast the deepest foot comes to be deeper, by differences: vehicle and deck a moment before and after \[m/s\].
+fn sinking(gear: &Gear, end: &Touchdown) -> f64 {
+    let h = 1e-5;
+    let deepest = |h: f64| {
+        let State { q, qd } = &end.state;
+        let vehicle = State::new(core::array::from_fn(|i| q[i] + h * qd[i]), *qd);
+        let turn = Rotation3::new(h * Vector3::from(end.deck.angular_velocity)) * to_matrix(&end.deck.rotation);
+        let position = core::array::from_fn(|i| end.deck.position[i] + h * end.deck.velocity[i]);
+        let deck = DeckState { position, rotation: to_rows(&turn), ..end.deck };
+        gear.contact(&twist(&QuadrotorQuaternion::default(), &with_quaternion(&vehicle)), &deck).deepest()
+    };
+    (deepest(h) - deepest(-h)) / (2.0 * h)
+}
+
 /// A landing with legs ends where the first foot meets the deck, whatever the controller sees and when it acts.
 #[test]
 fn a_vehicle_with_legs_touches_with_its_first_foot() {
@@ -282,6 +297,8 @@ fn a_vehicle_with_legs_touches_with_its_first_foot() {
     ];
     for end in ends.map(Result::unwrap) {
         let contact = gear.contact(&twist(&vehicle, &with_quaternion(&end.state)), &end.deck);
+        close(end.relative_velocity, -sinking(&gear, &end), 1e-6);
+        assert!((end.relative_velocity - end.relative.velocity[2]).abs() > 1e-3, "{end:?}");
         close(contact.deepest(), 0.0, 1e-9);
         assert!(contact.depth.iter().filter(|depth| **depth < -1e-3).count() == 3, "{contact:?}");
         assert!(end.relative.offset[2] > 0.35 && end.time < 13.0, "{end:?}");

@@ -186,7 +186,7 @@ impl<M: PlatformMotion> Landing<MovingDeck<M>> {
         }
         let deck = self.deck.over_base(&[stands.q, stands.qd, plan[2]]);
         Ok(DrivenTouchdown {
-            touchdown: way.touchdown(self.vehicle.params().drag_factor, time, vehicle, deck)?,
+            touchdown: way.touchdown(self, time, vehicle, deck)?,
             platform: stands,
             greatest_error,
             last_error: TrackingError::between(&stands.q, &plan[0]),

@@ -127,12 +127,17 @@ impl<D> Landing<D> {
 
     /// What is over the deck when a vehicle with these coordinates touches: its mass centre, or its lowest foot \[m\].
     pub(super) fn clearance(&self, deck: &DeckState, q: &[f64; 6]) -> f64 {
-        let centre = deck.height(&[q[0], q[1], q[2]]);
-        let Some(gear) = &self.gear else { return centre };
+        let lever = self.lever(deck, q);
+        deck.height(&[q[0] + lever.x, q[1] + lever.y, q[2] + lever.z])
+    }
+
+    /// From the mass centre to what touches first, in world axes: to the lowest foot, if there are legs \[m\].
+    pub(super) fn lever(&self, deck: &DeckState, q: &[f64; 6]) -> Vector3<f64> {
+        let Some(gear) = &self.gear else { return Vector3::zeros() };
         let own = to_matrix(&attitude(q));
-        let normal = own.tr_mul(&to_matrix(&deck.rotation).column(2));
-        let lowest = gear.feet().into_iter().map(|foot| normal.dot(&Vector3::from(foot))).fold(f64::INFINITY, f64::min);
-        centre + lowest
+        let over = |foot: &Vector3<f64>| to_matrix(&deck.rotation).column(2).dot(foot);
+        let feet = gear.feet().map(|foot| own * Vector3::from(foot));
+        feet.into_iter().min_by(|a, b| over(a).total_cmp(&over(b))).unwrap_or_default()
     }
 
     /// What the controller does over a deck.
@@ -289,6 +294,6 @@ impl<D: Deck> Landing<D> {
             return Err(Failure::NoContact { distance: deck.height(&place(&state.q)) }.at_time(time));
         }
         way.reach(time, &state, &self.command_over(&deck, time, &state.q, &state.qd), &deck);
-        way.touchdown(self.vehicle.params().drag_factor, time, state, deck)
+        way.touchdown(self, time, state, deck)
     }
 }

@@ -64,6 +64,6 @@ impl<D: Deck> Landing<D> {
             height: |t: f64, state: &State<[f64; 6]>| self.above(t, &state.q),
         };
         let (time, state) = run.until_touchdown(state)?;
-        way.touchdown(self.vehicle.params().drag_factor, time, state, self.deck.at(time))
+        way.touchdown(self, time, state, self.deck.at(time))
     }
 }

@@ -2,11 +2,13 @@
 
 use mbs_models::Error;
 use mbs_models::check::Must;
-use mbs_runtime::{Scalar, State};
+use mbs_platform::jacobian::angular_rates;
+use mbs_runtime::{Scalar, State, to_matrix};
+use nalgebra::Vector3;
 
 use super::backstepping::{Command, nearest_turn};
 use super::deck::{DeckState, Relative};
-use super::landing::{attitude_told, finite_deck, upright};
+use super::landing::{Landing, attitude_told, finite_deck, upright};
 use super::mixer::RotorSpeeds;
 
 /// What is too much where the vehicle leaves the deck when it is to reach it \[m/s\]: the period does not resolve the
@@ -18,12 +20,12 @@ pub const LEAVING: &str = "velocity away from the deck at the touchdown";
 pub struct Touchdown {
     /// The time \[s\].
     pub time: f64,
-    /// Along the normal of the deck, against the point of it that is touched: `ż − ż_p` on a level one, negative
-    /// \[m/s\].
+    /// Of what touches, the mass centre or the lowest foot, along the normal of the deck against the point of it that
+    /// is touched: negative, and `ż − ż_p` of the mass centre on a level deck \[m/s\].
     pub relative_velocity: f64,
     /// Distance from the point that was to be landed on, in the plane of the deck \[m\].
     pub horizontal_offset: f64,
-    /// Of the vehicle over the deck, in its plane \[m/s\].
+    /// Of the mass centre over the deck, in its plane \[m/s\].
     pub horizontal_speed: f64,
     /// The vehicle as the deck sees it.
     pub relative: Relative,
@@ -100,10 +102,11 @@ impl Way {
         self.held = cubes(&command.rotors);
     }
 
-    /// The end of the way, with the factor d of the rotors' drag \[N·m·s²\].
-    pub(super) fn touchdown(
+    /// The end of the way. What touches, at r from the mass centre, has against the deck the velocity of that and
+    /// `(ω − ω_d) × r`.
+    pub(super) fn touchdown<D>(
         mut self,
-        drag_factor: f64,
+        landing: &Landing<D>,
         time: f64,
         state: State<[f64; 6]>,
         deck: DeckState,
@@ -115,10 +118,14 @@ impl Way {
         let length = |a: f64, b: f64| Scalar::sqrt(a * a + b * b);
         let relative = deck.relative(&state.q, &state.qd);
         let Relative { offset: [x, y, _], velocity: [xd, yd, zd], .. } = relative;
-        Must::BeAtMost(ROUNDING).check(LEAVING, zd).map_err(|error| error.at_time(time))?;
+        let [.., roll, pitch, yaw] = state.qd;
+        let turning = to_matrix(&angular_rates(&state.q)) * Vector3::new(roll, pitch, yaw);
+        let around = (turning - Vector3::from(deck.angular_velocity)).cross(&landing.lever(&deck, &state.q));
+        let relative_velocity = zd + to_matrix(&deck.rotation).column(2).dot(&around);
+        Must::BeAtMost(ROUNDING).check(LEAVING, relative_velocity).map_err(|error| error.at_time(time))?;
         Ok(Touchdown {
             time,
-            relative_velocity: zd,
+            relative_velocity,
             horizontal_offset: length(x, y),
             horizontal_speed: length(xd, yd),
             relative,
@@ -128,7 +135,7 @@ impl Way {
             greatest_tilt: self.greatest_tilt,
             settling_time: self.settling_time,
             thrust_range: self.thrust_range,
-            rotor_work: drag_factor * self.cubes,
+            rotor_work: landing.vehicle.params().drag_factor * self.cubes,
             limited: f64::from(self.limited) / f64::from(self.moments),
         })
     }

@@ -80,7 +80,7 @@ pub fn fly(
     };
     let (time, state) = run.until_touchdown(state)?;
     let deck = landing.deck.at(time);
-    Ok((way.touchdown(landing.vehicle.params().drag_factor, time, state, deck)?, moments))
+    Ok((way.touchdown(landing, time, state, deck)?, moments))
 }
 
 fn held(mixer: &Mixer, speed: [f64; ROTORS]) -> Command {
