@@ -2,9 +2,10 @@
 //!
 //! The plan is `examples/ensembles/landing.toml`, or the one of `--plan FILE`, such as `landing_seas.toml` beside it;
 //! each member is a closure of its values with generated code, the landing's controller at 500 Hz, and a noisy sensor,
-//! whose random numbers are the member's own. The table goes to `--table FILE`, which a killed run continues.
-//! `--out DIR` writes histograms (SVG and PNG). `--compare` measures what the ensemble costs beside the bare loop over
-//! its closures, on one thread, and nothing else.
+//! whose random numbers are the member's own. Where a plan draws members independently, means and quantiles have bounds
+//! of 95 %. The table goes to `--table FILE`, which a killed run continues. `--out DIR` writes histograms (SVG and
+//! PNG). `--compare` measures what the ensemble costs beside the bare loop over its closures, on one thread, and
+//! nothing else.
 
 mod cost;
 mod landings;
@@ -13,6 +14,7 @@ mod summary;
 use std::path::PathBuf;
 
 use mbs_ensemble::Member;
+use mbs_ensemble::sequence::Kind;
 use mbs_examples::dispersion::Dispersion;
 use mbs_examples::quadrotor_landing::members;
 use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output};
@@ -47,6 +49,10 @@ fn main() -> Result<(), Failure> {
     };
     let members = options.members;
     let dispersion = Dispersion::planned("landing_sweep", (&name, &text), members, VARIABLES, &QUANTITIES)?;
+    if dispersion.design.kind() == Kind::Chaos {
+        let why = "the design \"chaos\" has points with weights, of which this program knows nothing; write \"random\"";
+        return Err(Failure::new(format!("{name}: {why}")));
+    }
     let land = |member: &Member| land(&dispersion, member);
     if options.compare {
         let folder = tempfile::tempdir()?;
@@ -60,7 +66,7 @@ fn main() -> Result<(), Failure> {
     if let Some(folder) = folder {
         output::write_figure(folder, "landings", &histograms::figure("landings", &QUANTITIES, &columns), &keys)?;
     }
-    let (object, text) = summary::of(&outcome, columns);
+    let (object, text) = summary::of(&outcome, columns, dispersion.design.draws_independently());
     arguments.answer(object, &text, &keys);
     Ok(())
 }

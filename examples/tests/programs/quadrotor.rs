@@ -1,8 +1,9 @@
 //! The quadrotor's examples as outside programs call them: what they print and what they write.
 
 use std::path::Path;
+use std::process::Output;
 
-use crate::support::{figure, good, json, keys, number, numbers, refused};
+use crate::support::{figure, good, json, keys, number, numbers, refused, run};
 use mbs_landing::quadrotor::backstepping::Reference;
 use mbs_landing::quadrotor::heave::Heave;
 use serde_json::Value;
@@ -228,6 +229,33 @@ fn seas_and_sensors_are_drawn() {
     assert_eq!((&found["members"], &found["stopped"]), (&Value::from(24), &Value::from(0)));
     let [mean, deviation] = ["mean", "sd"].map(|key| number(&found["relative_velocity"][key]));
     assert!((mean + 0.2).abs() < 0.05 && deviation > 1e-3, "{found}");
+}
+
+/// Bounds are those of independent landings; those of the design `chaos` are no sample.
+#[test]
+fn landings_have_bounds_where_a_plan_draws_them_independently() {
+    let folder = tempfile::tempdir().unwrap();
+    let with = |design: &str, json: &[&str]| {
+        let plan = folder.path().join(format!("{design}.toml"));
+        let members = if design == "chaos" { "" } else { "members = 6\n" };
+        let text = format!("design = \"{design}\"\n{members}[vary]\nx = {{ uniform = [-1, 1] }}\n");
+        std::fs::write(&plan, text).unwrap();
+        run(SWEEP, &[&["--plan", plan.to_str().unwrap()], json].concat())
+    };
+    let printed = |output: Output| String::from_utf8(output.stdout).unwrap();
+    for (design, bounds) in [("random", 3), ("latin-hypercube", 0), ("sobol", 0), ("saltelli", 0)] {
+        let found = json(&printed(with(design, &["--json"])));
+        for (name, _) in found.as_object().unwrap().iter().filter(|(_, entry)| entry["mean"].is_number()) {
+            let entry = &found[name];
+            assert_eq!((entry["ci95"].is_array(), &entry["q99_ci95"]), (bounds > 0, &Value::Null), "{design}: {found}");
+        }
+        let text = printed(with(design, &[]));
+        let bounded = |line: &&str| line.contains(" mean ") && line.contains(" to ");
+        assert_eq!(text.lines().filter(bounded).count(), bounds, "{text}");
+    }
+    let refused = with("chaos", &[]);
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(refused.status.code() == Some(1) && told.contains("points with weights"), "{told}");
 }
 
 #[test]
