@@ -42,7 +42,8 @@ impl Looks {
             let freedom = values().map(|(_, freedom)| freedom).sum::<usize>() as f64;
             let mean = values().map(|(squared, _)| squared).sum::<f64>() / freedom;
             let bounds = [NORMAL_95, NORMAL_99].map(|normal| bounds_of_mean(normal, 1.0, freedom));
-            (freedom > 0.0).then_some(Look { time: LOOK * look as f64, mean, bounds })
+            // With fewer degrees of freedom the bounds are not known well enough.
+            (freedom >= 10.0).then_some(Look { time: LOOK * look as f64, mean, bounds })
         };
         Looks((0..all).filter_map(look).collect())
     }

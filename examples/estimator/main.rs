@@ -22,8 +22,8 @@ use monte_carlo::Run;
 
 #[derive(Clone, Debug, clap::Args)]
 struct Options {
-    /// How many landings of each case; statistics need two.
-    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=1_000_000))]
+    /// How many landings of each case, ten at least: of fewer, the bounds of squares are not known well enough.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(10..=1_000_000))]
     members: u32,
     /// By how many threads; as many as there are cores without.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
