@@ -12,6 +12,7 @@ mod member;
 
 use std::time::Instant;
 
+use mbs_ensemble::statistics::Moments;
 use mbs_examples::quadrotor_landing::members;
 use mbs_examples::{Failure, arguments::Arguments, assumed, histograms, output};
 use serde_json::json;
@@ -64,10 +65,8 @@ fn main() -> Result<(), Failure> {
          \x20                     mean        standard deviation   95 % confidence of the mean\n"
     );
     for (i, (key, name, unit)) in RESULTS.into_iter().enumerate() {
-        let [mean, deviation] = members::spread(touchdowns.iter().map(|results| results[i]));
-        // By the normal distribution.
-        let half = 1.959_963_984_540_054 * deviation / (landed as f64).sqrt();
-        let [low, high] = [mean - half, mean + half];
+        let moments: Moments = touchdowns.iter().map(|results| results[i]).collect();
+        let (mean, deviation, [low, high]) = (moments.mean, moments.deviation(), moments.mean_interval(0.95));
         object[key] = json!({ "mean": mean, "sd": deviation, "ci95": [low, high] });
         text +=
             &format!("{name:<18} {mean:>10.5} {unit:<4} {deviation:>14.5} {unit:<4}    {low:.5} to {high:.5} {unit}\n");

@@ -197,6 +197,9 @@ fn members_do_not_depend_on_the_number_of_threads() {
         let [mean, deviation] = ["mean", "sd"].map(|key| numbers(&one[name][key])[0]);
         let [low, high] = numbers(&one[name]["ci95"])[..] else { panic!("{name}") };
         assert!(low < mean && mean < high && deviation > 0.0, "{name}");
+        // Student's 97.5 % of 23 degrees of freedom: tables have 2.069.
+        let student = 0.5 * (high - low) / (deviation / 24.0_f64.sqrt());
+        assert!((student - 2.069).abs() < 5e-4, "{name}: {student}");
     }
     assert_ne!(one["digest"], json(&good(MONTE_CARLO, &["--json", "--members", "23"]))["digest"]);
 }
