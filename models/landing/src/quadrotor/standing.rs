@@ -172,8 +172,8 @@ impl Standing {
     /// the end.
     ///
     /// # Errors
-    /// [`Error`]: `Invalid`, `NotAbove` where the mass centre is not over the deck, `Deck`, `Overturned`,
-    /// `Platform`, `Integration`.
+    /// [`Error`]: `Invalid`, also where the mass centre is not over the deck or the deck is not upright; `NotFinite`
+    /// where the deck is NaN or infinite; those of the carrier; `Integration`.
     pub fn simulate<C: Carrier>(
         &self,
         carrier: &C,
