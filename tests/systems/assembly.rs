@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 
 use mbs_arm::assembly::cell::{NUMBERS, Numbers};
-use mbs_arm::assembly::{Cell, Contact, Hole, Impedance, Peg, PegMotion, Wanted, Wrist, whitney};
+use mbs_arm::assembly::{Cell, Contact, Hole, Impedance, Peg, PegMotion, Task, Wanted, Wrist, whitney};
 use mbs_models::check::Must;
 use mbs_models::scara::{Params, Scara};
 use mbs_runtime::{Dopri5, Integrator, State};
@@ -234,6 +234,25 @@ fn work_and_energy_agree_in_contact() {
     let gained = cell.energy(&state.q, &state.qd) - cell.energy(&started.q, &started.qd) - moving;
     assert!((gained - state.qd[8]).abs() < 1e-4, "{gained} {}", state.qd[8]);
     assert!(cell.touch(&state.q, &state.qd).depth > 4e-3);
+}
+
+/// However long the integrator's steps are; the end is seen too, where it is between two milliseconds and where the arm
+/// stops.
+#[test]
+fn samples_are_of_every_millisecond_and_of_the_end() {
+    let cell = cell(0.0, 0.1, 5e-5);
+    let wanted = |_: f64| -> Wanted { [[MOUTH[0], 0.0, MOUTH[1] + LENGTH + 0.02], [0.0; 3], [0.0; 3]] };
+    for (whole, greatest_push, count) in [(0.05, 400.0, 51), (0.0503, 400.0, 52), (0.05, -1e3, 0)] {
+        let times = [0.0125, 0.03, whole];
+        let task = Task { wanted: &wanted, times, depth: 0.0, short: 0.0, greatest_push };
+        let mut samples = Vec::new();
+        let found = cell.insert(&task, |sample| samples.push(sample)).unwrap();
+        let last = samples.pop().unwrap();
+        assert!(samples.iter().enumerate().all(|(i, sample)| sample.t == i as f64 * 1e-3), "{samples:?}");
+        assert_eq!((last.t, last.depth), (found.end, found.depth));
+        assert!(last.t - samples.last().map_or(0.0, |sample| sample.t) <= 1e-3 + 1e-12, "{last:?}");
+        assert!(count == 0 || (found.end == whole && samples.len() + 1 == count), "{} of {count}", samples.len() + 1);
+    }
 }
 
 #[test]

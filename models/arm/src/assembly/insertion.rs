@@ -80,7 +80,8 @@ pub struct Insertion {
 const PERIOD: f64 = 1e-3;
 
 impl Cell {
-    /// Simulates a task from rest in the feeder on; `see` gets a sample every millisecond, and the last one.
+    /// Simulates a task from rest in the feeder on; `see` gets a sample every millisecond, and one of the end. The
+    /// greatest values, and whether the arm stops, are those at ends of the integrator's steps.
     ///
     /// # Errors
     /// [`Error`] for places that the arm does not reach, and where the integration fails.
@@ -102,11 +103,24 @@ impl Cell {
         let moving = |t: f64, q: &Numbers, v: &Numbers, a: &mut Numbers| {
             *a = self.accelerations(&(task.wanted)(t), &[0.0; 3], q, v);
         };
+        let sample = |t: f64, State { q, qd }: &State<Numbers>| {
+            let touch = self.touch(q, qd);
+            Sample { t, push: self.wrist_force(q, qd), normal: touch.normal, depth: touch.depth, tilt: q[7] }
+        };
+        let (mut between, mut seen) = (state, 0_u64);
         let [insertion, stop, whole] = task.times;
         // Each phase by itself: the acceleration wanted may jump between them.
         for [from, to] in [[0.0, insertion], [insertion, stop], [stop, whole]] {
-            let mut next = from;
             let summary = Dopri5::new(1e-7, 1e-9).integrate(moving, from, to, &mut state, |step| {
+                while seen as f64 * PERIOD <= step.time() {
+                    let t = seen as f64 * PERIOD;
+                    if step.interpolate(t, &mut between).is_err() {
+                        // The integration ends with this error.
+                        return ControlFlow::Break(step.time());
+                    }
+                    see(sample(t, &between));
+                    seen += 1;
+                }
                 let (t, State { q, qd }) = (step.time(), step.state());
                 let push = self.wrist_force(q, qd);
                 let touch = self.touch(q, qd);
@@ -124,17 +138,15 @@ impl Cell {
                     let first = || [touch.depth, self.hole.tilt - q[7]];
                     run.two_points = two_points(&touch.normal).then(|| run.two_points.unwrap_or_else(first));
                 }
-                let stop = -push[2] > task.greatest_push;
-                if t >= next || stop {
-                    next += PERIOD;
-                    see(Sample { t, push, normal: touch.normal, depth: touch.depth, tilt: q[7] });
-                }
-                if stop { ControlFlow::Break(t) } else { ControlFlow::Continue(()) }
+                if -push[2] > task.greatest_push { ControlFlow::Break(t) } else { ControlFlow::Continue(()) }
             })?;
             run.end = summary.time;
             if summary.stopped {
                 break;
             }
+        }
+        if (seen as f64 - 1.0) * PERIOD < run.end {
+            see(sample(run.end, &state));
         }
         let touch = self.touch(&state.q, &state.qd);
         let push = self.wrist_force(&state.q, &state.qd);
