@@ -1,6 +1,7 @@
 //! Motions of least effort against closed forms, and against the differential equations of Pontryagin's principle,
 //! typed by hand and solved by shooting.
 
+use mbs_arm::trajectory::minimum_effort::front::Search;
 use mbs_arm::trajectory::minimum_effort::{Limits, MinimumEffort, Transfer, minimum_effort};
 use mbs_arm::trajectory::{Motion, POSITION};
 use mbs_models::cart_pole::{self, CartPole};
@@ -103,6 +104,24 @@ fn a_guess_saves_steps() {
     assert_eq!(
         minimum_effort(&pendulum, &swing(3.0), 21, Some(&first)).unwrap_err(),
         Must::BeWithin([21.0, 21.0]).broken_by("intervals of the guess", 20.0).into()
+    );
+}
+
+/// A wheel at 1 rad/s goes on by 1 rad: `H = 12 (1 − T)(T − 3)/T⁴`, whose secant from 1.3 s and 1.17 s leads to −0.5 s.
+#[test]
+fn a_front_without_an_end_or_without_points_is_refused() {
+    let search = Search { intervals: 4, points: 3, bisections: 0, flat: 1e-5 };
+    let rolling = Transfer { start: [[0.0], [1.0]], stop: [[1.0], [1.0]], ..turn(1.0, 1.3, Limits::NONE) };
+    let of = |search: Search| search.front(&wheel(), &rolling).unwrap_err();
+    for points in 0..3 {
+        let few = Must::BeAtLeast(3.0).broken_by("points", points as f64);
+        assert_eq!(of(Search { points, ..search }), few.into());
+    }
+    let endless = of(search);
+    let expected = "the search of the time of least effort";
+    assert!(
+        matches!(endless.failure, Failure::NotConverged { what, iterations: 1, .. } if what == expected),
+        "{endless}"
     );
 }
 

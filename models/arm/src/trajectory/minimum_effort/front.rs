@@ -7,6 +7,7 @@
 use std::vec;
 use std::vec::Vec;
 
+use mbs_models::check::Must;
 use mbs_models::{Error, Failure};
 use mbs_runtime::{Dual, Mechanism};
 
@@ -61,12 +62,13 @@ impl Search {
     /// The front between the states of a transfer whose duration is one in which it is done with ease.
     ///
     /// # Errors
-    /// [`Error`] of [`minimum_effort`]; `NotConverged` where H does not vanish.
+    /// [`Error`] of [`minimum_effort`]; `Invalid` for fewer than three points; `NotConverged` where H does not vanish.
     pub fn front<const N: usize, const U: usize>(
         &self,
         mechanism: &impl Mechanism<N, U, Scalar = Dual<f64>, Time = Dual<f64>>,
         transfer: &Transfer<N, U>,
     ) -> Result<Front<N, U>, Error> {
+        Must::BeAtLeast(3.0).check("points", self.points as f64)?;
         let within = |duration: f64, guess: Option<&MinimumEffort<N, U>>| {
             minimum_effort(mechanism, &Transfer { duration, ..*transfer }, self.intervals, guess)
         };
@@ -122,17 +124,23 @@ impl Search {
     ) -> Result<MinimumEffort<N, U>, Error> {
         let mut before = Choice::of(easy);
         let mut motion = within(0.9 * duration, Some(easy))?;
-        for _ in 0..STEPS {
+        let mut iterations = 0;
+        while iterations < STEPS {
+            iterations += 1;
             let at = Choice::of(&motion);
             if at.slope.abs() < self.flat {
                 return Ok(motion);
             }
             let next = at.duration - at.slope * (at.duration - before.duration) / (at.slope - before.slope);
             before = at;
+            // Where slopes hardly differ, the secant leads anywhere.
+            if !(next > 0.0 && next.is_finite()) {
+                break;
+            }
             motion = within(next, Some(&motion))?;
         }
         let what = "the search of the time of least effort";
-        Err(Failure::NotConverged { what, iterations: STEPS, residual: before.slope.abs(), unit: "of dJ/dT" }.into())
+        Err(Failure::NotConverged { what, iterations, residual: before.slope.abs(), unit: "of dJ/dT" }.into())
     }
 }
 
