@@ -44,7 +44,10 @@ fn main() -> Result<(), Failure> {
     let arguments = Arguments::<Options>::with_options(include_str!("main.rs"));
     let options = &arguments.options;
     let (name, text) = match &options.plan {
-        Some(path) => (path.display().to_string(), std::fs::read_to_string(path)?),
+        Some(path) => {
+            let unreadable = |error| Failure::new(format!("{}: {error}", path.display()));
+            (path.display().to_string(), std::fs::read_to_string(path).map_err(unreadable)?)
+        }
         None => ("landing.toml".to_string(), include_str!("../ensembles/landing.toml").to_string()),
     };
     let members = options.members;

@@ -1,11 +1,12 @@
 //! What the programs share that draw members by a plan: how the plan is read, and how its members come into a table.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use mbs_ensemble::plan::Located;
+use mbs_ensemble::plan::{Located, Named};
 use mbs_ensemble::sweep::{Motion, Outcome};
 use mbs_ensemble::table::{Column, Format};
-use mbs_ensemble::{Design, Member, Plan, Share, Sweep, Variables, journal};
+use mbs_ensemble::{Design, Fault, Member, Plan, Share, Sweep, Variables, journal};
 
 use crate::Failure;
 
@@ -25,7 +26,8 @@ impl Dispersion {
     /// quantities, each with its unit.
     ///
     /// # Errors
-    /// What is wrong with the plan, at its place in the file of this name.
+    /// What is wrong with the plan, at its place in the file of this name; what it says of motions, which are the
+    /// program's own.
     pub fn planned<'v>(
         program: &'static str,
         (file, text): (&str, &str),
@@ -35,6 +37,10 @@ impl Dispersion {
     ) -> Result<Self, Failure> {
         let refused = |faults: mbs_ensemble::Faults| Failure::new(faults.render(file, text));
         let mut plan = Plan::read(text).map_err(refused)?;
+        let unused = unused(&plan, program);
+        if !unused.is_empty() {
+            return Err(refused(unused.into()));
+        }
         if let Some(value) = members {
             plan.members = Some(Located { value, span: 0..0 });
         }
@@ -110,4 +116,24 @@ impl Dispersion {
             Some((member, why)) => Err(Failure::new(format!("member {member} stopped: {why}"))),
         }
     }
+}
+
+/// What the program would not do, though a plan says it.
+fn unused(plan: &Plan, program: &str) -> Vec<Fault> {
+    fn first<T>(entries: &[Named<T>]) -> Option<Range<usize>> {
+        entries.first().map(|entry| entry.name.span.clone())
+    }
+    let said = [
+        ("mechanism", plan.mechanism.as_ref().map(|path| path.span.clone())),
+        ("parameters", first(&plan.parameters)),
+        ("inputs", first(&plan.inputs)),
+        ("signals", first(&plan.signals)),
+        ("motion", plan.motion.as_ref().map(|motion| motion.duration.span.clone())),
+        ("quantities", first(&plan.quantities)),
+    ];
+    let fault = |(name, span): (&str, Option<Range<usize>>)| {
+        let message = format!("a plan of `{program}` has no `{name}`: its motions are those of the program");
+        span.map(|span| Fault::with_help(span, message, "leave it out"))
+    };
+    said.into_iter().filter_map(fault).collect()
 }

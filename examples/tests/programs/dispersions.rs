@@ -1,6 +1,6 @@
 //! Dispersions as outside programs call them: what two ways say of the same.
 
-use crate::support::{figure, good, json, number, numbers, refused};
+use crate::support::{figure, good, json, number, numbers, refused, run};
 
 const DOCKING: &str = env!("CARGO_BIN_EXE_docking_dispersions");
 const PLATFORM: &str = env!("CARGO_BIN_EXE_platform_sensitivity");
@@ -57,6 +57,33 @@ fn figures_are_written() {
     ];
     for (name, text) in texts {
         assert!(figure(folder.path(), name).contains(text), "{name}");
+    }
+}
+
+/// What a plan says of motions would be in vain; a plan that is not there is named.
+#[test]
+fn what_a_program_would_not_do_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.toml");
+    let told = || {
+        let output = run(SWEEP, &["--plan", plan.to_str().unwrap()]);
+        assert_eq!((output.status.code(), output.stdout.len()), (Some(1), 0));
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let missing = told();
+    assert!(missing.contains("plan.toml: "), "{missing}");
+    for (name, text) in [
+        ("mechanism", "mechanism = \"pendulum.mbs\""),
+        ("parameters", "[parameters]\ngain = \"2 N\""),
+        ("inputs", "[inputs]\ntau = \"0\""),
+        ("signals", "[signals]\nsea = \"0\""),
+        ("motion", "[motion]\nduration = \"1 s\""),
+        ("quantities", "[quantities]\nhighest = { max = \"z\" }"),
+    ] {
+        std::fs::write(&plan, format!("{text}\n[vary]\nmass = {{ uniform = [39, 41] }}\n")).unwrap();
+        let (refused, line) = (told(), 1 + text.matches('\n').count());
+        let expected = format!("plan.toml:{line}:");
+        assert!(refused.contains(&expected) && refused.contains(&format!("has no `{name}`")), "{refused}");
     }
 }
 
