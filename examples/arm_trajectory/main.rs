@@ -16,7 +16,7 @@ mod tables;
 use mbs_arm::Arm;
 use mbs_examples::arm_trajectory::cases::{self, Case, Run};
 use mbs_examples::arm_trajectory::figures;
-use mbs_examples::{Failure, arguments::Arguments};
+use mbs_examples::{Failure, arguments::Arguments, output};
 use serde_json::{Value, json};
 
 /// What torques, work and limits rest on.
@@ -31,7 +31,7 @@ fn main() -> Result<(), Failure> {
             figures::write(folder, &arm, case)?;
             tables::write(folder, &arm, case)?;
             for (name, text) in rapid::modules(&arm, case)? {
-                std::fs::write(folder.join(name), text)?;
+                output::write_file(&folder.join(name), text.as_bytes())?;
             }
         }
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use nalgebra::{Rotation3, Vector3};
 
 use crate::rapid_reader::{Module, Refused, read};
-use crate::support::good;
+use crate::support::{good, run};
 
 const TRAJECTORY: &str = env!("CARGO_BIN_EXE_arm_trajectory");
 
@@ -65,6 +65,17 @@ fn the_printed_motion_leaves_the_ranges_and_the_variant_keeps_them() {
             assert_eq!(outside(&module), expected, "case {case}{suffix}");
         }
     }
+}
+
+/// A module that cannot be written is named, and nothing is left of it.
+#[test]
+fn a_module_is_written_whole_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("case1.mod")).unwrap();
+    let output = run(TRAJECTORY, &["--out", folder.path().to_str().unwrap()]);
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.code() == Some(1) && told.contains("case1.mod: "), "{told}");
+    assert!(!folder.path().join("case1.part").exists());
 }
 
 /// The flange from the robot's own angles: upright at zero with the forearm forwards, axes 1, 4, 6 along z, x, x and 2,
