@@ -296,18 +296,16 @@ impl Platform {
         Must::BeLessThan(f64::from(MOST_SAMPLES)).check("number of samples", end / step)?;
         self.limits.check()?;
         let mut survey = Survey::default();
-        let mut sample = 0_u32;
-        loop {
-            let t = f64::from(sample) * step;
-            if t > end {
-                return Ok(survey);
-            }
+        // Where the end is a multiple of the step but for rounding, it is the last sample.
+        let last = (end / step * (1.0 + 4.0 * f64::EPSILON)) as u32;
+        for sample in 0..=last {
+            let t = (f64::from(sample) * step).min(end);
             let [q, qd, qdd] = motion.at(t);
             let pose = |error: Error| error.or_at_time(t);
             let legs = self.leg_state(&q, &qd, &qdd).map_err(pose)?;
             survey.add(&self.limits, t, &legs, self.regularity(&q).map_err(pose)?.condition);
-            sample += 1;
         }
+        Ok(survey)
     }
 
     /// The greatest factor up to 1 by which the motion can be scaled about its mean, so that the legs keep all limits

@@ -1,11 +1,12 @@
 //! What the actuators allow: motions beyond it, limits that nothing can keep, computed torque with forces that are cut.
 
+use std::cell::RefCell;
 use std::f64::consts::FRAC_PI_2;
 use std::ops::ControlFlow;
 
 use mbs_models::check::{Invalid, Must};
 use mbs_models::{At, Error, Failure};
-use mbs_platform::{ActuatorLimits, Coordinates, HOME, LegVector, Motion, Platform, Quantity};
+use mbs_platform::{ActuatorLimits, Coordinates, HOME, LegVector, Motion, Platform, PlatformMotion, Quantity};
 use mbs_runtime::control::ComputedTorque;
 use mbs_runtime::{Dop853, Integrator, State};
 
@@ -30,6 +31,16 @@ fn motions_beyond_the_limits_are_flagged_with_leg_and_time() {
     let weak = ActuatorLimits { force: 100.0, ..platform.limits };
     assert!(weak.saturated(&[f64::NAN; 6]).iter().all(|force| force.is_nan()));
     assert_eq!(weak.saturated(&[50.0, 200.0, -200.0, 0.0, -50.0, 100.0]), [50.0, 100.0, -100.0, 0.0, -50.0, 100.0]);
+}
+
+/// A motion that notes when it was asked.
+struct Noted<'a>(Motion, &'a RefCell<Vec<f64>>);
+
+impl PlatformMotion for Noted<'_> {
+    fn at(&self, t: f64) -> [Coordinates; 3] {
+        self.1.borrow_mut().push(t);
+        self.0.at(t)
+    }
 }
 
 #[test]
@@ -58,6 +69,14 @@ fn surveys_without_samples_or_without_end_are_refused() {
         assert_eq!(survey.condition.1, 0.0);
         let lengths = platform.lengths(&motion.at(0.0)[0]).unwrap();
         assert_eq!(survey.length[1], lengths.into_iter().fold(0.0, f64::max));
+    }
+    // 3 · 0.1 is more than 0.3: the last sample is the end all the same.
+    for (end, step, count) in [(0.3, 0.1, 4), (0.7, 0.1, 8), (0.65, 0.1, 7), (4.0, 0.01, 401)] {
+        let times = RefCell::new(Vec::new());
+        platform.survey(&Noted(motion, &times), end, step).unwrap();
+        let times = times.into_inner();
+        let last = *times.last().unwrap();
+        assert!(times.len() == count && last <= end && (end == 0.65 || last == end), "{end} {step}: {times:?}");
     }
     // The moment at which a pose ends it: level at 0 s, upended after a second.
     let turning = Motion { sine: [0.0, 0.0, 0.0, 0.0, FRAC_PI_2, 0.0], ..Motion::TABLE_3 };
