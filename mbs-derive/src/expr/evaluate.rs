@@ -272,6 +272,15 @@ impl Tape {
         found.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
+    /// Whether it is made of pieces, so that values at some points say nothing about others.
+    pub(crate) fn has_pieces(&self) -> bool {
+        let is_of_pieces = |step: &Node| match step {
+            Node::Call(function, _) => matches!(function, Function::Abs | Function::Signum),
+            step => matches!(step, Node::Select(..) | Node::Spline(..)),
+        };
+        self.steps.iter().any(is_of_pieces)
+    }
+
     /// A tape for these expressions.
     pub fn new(roots: &[Expr<'_>]) -> Self {
         let Some(first) = roots.first() else { return Tape::default() };

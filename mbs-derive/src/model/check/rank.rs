@@ -119,24 +119,27 @@ impl VelocityEquations {
         let largest = |row: usize| shares.iter().map(|shares| shares[row]).fold(0.0, f64::max);
         let doubtful: Vec<usize> =
             (0..self.owners.len()).filter(|&row| !shares.is_empty() && largest(row) <= DOUBTFUL).collect();
-        if doubtful.iter().all(|&row| largest(row) <= ROUNDING) {
+        let is_sure = |row: usize| largest(row) <= ROUNDING && !self.rows.has_pieces();
+        if doubtful.iter().all(|&row| is_sure(row)) {
             return doubtful;
         }
-        // Rows may be nearly parallel for the units of their coordinates alone.
+        // Rows may be nearly parallel for the units of their coordinates alone, or be so on the sides of conditions
+        // alone that some states lead to.
         let (first, second) = (self.dependent_in_field::<0>(lines, n), self.dependent_in_field::<1>(lines, n));
         let exactly = [first, second];
-        let follows = |row: &usize| {
-            largest(*row) <= ROUNDING || exactly.iter().flatten().all(|dependent| dependent.contains(row))
-        };
+        let follows = |row: &usize| is_sure(*row) || exactly.iter().flatten().all(|dependent| dependent.contains(row));
         doubtful.into_iter().filter(follows).collect()
     }
 
-    /// `None` where nothing has a value.
+    /// The rows that follow at all of some points, at which comparisons come out one way or the other; `None` where
+    /// nothing has a value.
     fn dependent_in_field<const K: usize>(&self, lines: &[Line], n: usize) -> Option<Vec<usize>> {
         const TRIED: u64 = 16;
+        let (points, tried) = if self.rows.has_pieces() { (64, 4 * TRIED) } else { (1, TRIED) };
         let line = lines.first()?;
-        let mut echelons = (0..TRIED).filter_map(|point| Echelon::of(self.pfaffian_in_field::<K>(line, point, n)));
-        echelons.next().map(|echelon| echelon.dependent_rows().to_vec())
+        let echelons = (0..tried).filter_map(|point| Echelon::of(self.pfaffian_in_field::<K>(line, point, n)));
+        let dependent = echelons.take(points).map(|echelon| echelon.dependent_rows().to_vec());
+        dependent.reduce(|all, here| all.into_iter().filter(|row| here.contains(row)).collect())
     }
 }
 
@@ -282,7 +285,15 @@ mod tests {
             "constraint a: [x, y] = [y, z]; constraint b: [z, theta*l] = [x, l];",
             "row 1 of 2 of the constraint `b` follows from the other rows, or contradicts them; keep its other rows only",
         );
-        // The units of coordinates alone make rows nearly parallel.
-        assert_eq!(refusals("constraint a: 1e12*x + y = 0; constraint b: 1e12*x + 2*y = z;"), [""; 0]);
+        check("constraint a: abs(x) = l; constraint b: 2*abs(x) = 2*l;", "the constraint `b` follows from the others");
+        for regular in [
+            // The units of coordinates alone make rows nearly parallel.
+            "constraint a: 1e12*x + y = 0; constraint b: 1e12*x + 2*y = z;",
+            // Sides of conditions that no sampled state leads to.
+            "constraint a: x = y; constraint b: max(z - 50*l, 0) = 0;",
+            "constraint a: if t > 5 s { dt(z) } else { dt(x) } = 0; constraint b: dt(x) = 0;",
+        ] {
+            assert_eq!(refusals(regular), [""; 0], "{regular}");
+        }
     }
 }

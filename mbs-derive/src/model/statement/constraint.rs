@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 
 use crate::diagnostic::Code;
-use crate::expr::{Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most};
+use crate::expr::{
+    Dual, Expr, Graph, Node, Number, Rounded, Symbol, Tape, Verdict, carry_out, degree_is_at_most, vanishes,
+};
 use crate::model::check::closure::closes;
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::{Constraint, ConstraintKind, Draft};
@@ -154,12 +156,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             }
             Shape::Pose => {
                 let help = "constrain its place `pose.origin()`, or angles";
-                Err(self.refuse(
-                    Code::SidesOfOneShape,
-                    &side.span,
-                    "a constraint is made of numbers, this is a pose",
-                    help,
-                ))
+                let message = "a constraint is made of numbers, this is a pose";
+                Err(self.refuse(Code::SidesOfOneShape, &side.span, message, help))
             }
             Shape::Part => Err(self.no_value_of_a_part(side)),
             Shape::Matrix | Shape::Array => {
@@ -208,19 +206,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let simple = Graph::new();
         let simplified = simplified(&rows, &simple);
-        let vanishing = vanishing(&simplified, &self.lagrangian);
+        let vanishing = vanishing(&rows, &simplified, &self.lagrangian);
         let mut effective = Vec::new();
         let are_effective = vanishing.iter().map(|vanishes| !vanishes).collect();
         for ((row, simplified), vanishes) in rows.iter().zip(simplified).zip(vanishing) {
             match simplified.as_constant() {
                 _ if vanishes => continue,
                 Some(_) => {
-                    return Err(self.refuse(
-                        Code::ConstrainsNothing,
-                        span,
-                        "this constraint never holds",
-                        "no coordinate is in it",
-                    ));
+                    let message = "this constraint never holds";
+                    return Err(self.refuse(Code::ConstrainsNothing, span, message, "no coordinate is in it"));
                 }
                 None => effective.push(*row),
             }
@@ -306,9 +300,10 @@ fn simplified<'g>(rows: &[Expr<'_>], graph: &'g Graph) -> Vec<Expr<'g>> {
 }
 
 /// Which rows are zero up to rounding wherever they are finite, at random states and parameters: the vertical velocity
-/// of the point where a coin touches the table is the sum of terms that cancel, though no local rule sees it.
-fn vanishing(rows: &[Expr<'_>], lagrangian: &Draft<'_>) -> Vec<bool> {
-    let tape = Tape::new(rows);
+/// of the point where a coin touches the table is the sum of terms that cancel, though no local rule sees it. A row of
+/// pieces is zero on all sides of its conditions, too, those that no random state leads to among them.
+fn vanishing(rows: &[Expr<'_>], simplified: &[Expr<'_>], lagrangian: &Draft<'_>) -> Vec<bool> {
+    let tape = Tape::new(simplified);
     let mut random = Random::new(0x7661_6e69_7368);
     let mut tries = vec![0; rows.len()];
     let mut zeros = vec![0; rows.len()];
@@ -321,7 +316,9 @@ fn vanishing(rows: &[Expr<'_>], lagrangian: &Draft<'_>) -> Vec<bool> {
             zeros[row] += usize::from(value.abs() <= 2.0 * error);
         }
     }
-    tries.into_iter().zip(zeros).map(|(tries, zeros)| tries > 0 && tries == zeros).collect()
+    let pieces = |row: usize| Tape::new(&simplified[row..=row]).has_pieces();
+    let is_zero = |row: usize| tries[row] > 0 && tries[row] == zeros[row];
+    (0..rows.len()).map(|row| is_zero(row) && (!pieces(row) || vanishes(rows[row]) == Verdict::Holds)).collect()
 }
 
 /// The value nearest to zero of a row that does not get there from any of some random states, and has one sign at all
@@ -479,6 +476,10 @@ mod tests {
         );
         check("constraint skate: dt(x)*sin(theta) = dt(y)*cos(theta);", Pfaffian, &[0.5 * s - 0.2 * c]);
         check("constraint roll: dt([x, y, 0]) = l*[dt(theta), 0, 0];", Pfaffian, &[0.5 - 5.1, 0.2]);
+        // What vanishes on one side of a condition alone is a row.
+        check("constraint c: [x - y, max(z - 50*l, 0), abs(z) + z] = 0;", Holonomic, &[1.0, 0.0, 2.2]);
+        check("constraint c: [if t > 5 s { dt(x) - dt(y) } else { 0 }, dt(x), 0] = 0;", Pfaffian, &[0.0, 0.5]);
+        check("constraint c: [theta, abs(theta)*abs(2*theta) - 2*theta^2, 0] = 0;", Holonomic, &[0.4]);
         // Nor does what vanishes for reasons that no local rule sees: the coin's lowest point does not move up.
         let lean = "let lean = rot_x(theta); let coin = translation([x, y, l*cos(theta)])*lean*rot_y(q[0]);";
         let rolling = "constraint rolling: dt(coin.origin()) + angular_velocity(coin).cross(lean*[0, 0, -l]) = 0;";
