@@ -446,6 +446,14 @@ mod tests {
         check(".5", ".: a number begins with a digit; write `0.5`");
         check("1.0f64", "1.0f64: a number has no type; write `1.0`");
         check("2x", "2x: `2x` is neither a number nor a name; write `2*x` for a product; `x` is not a unit");
+        check("2m_m", "2m_m: `2m_m` is neither a number nor a name; write `2*m_m` for a product; `m_m` is not a unit");
+        check("3m_1", "3m_1: `3m_1` is neither a number nor a name; write `3*m_1` for a product; `m_1` is not a unit");
+        check(
+            "1_0_m",
+            "1_0_m: `1_0_m` is neither a number nor a name; write `10*_m` for a product; `_m` is not a unit",
+        );
+        check("1e_5", "1e_5: `1e_5` is neither a number nor a name; write `1*e_5` for a product; `e_5` is not a unit");
+        check("1_f64", "1_f64: a number has no type; write `1`");
         check("0x10", "0x10: `0x10` is not a decimal number; write it with digits 0 to 9");
         check("1e400", "1e400: `1e400` is beyond the range of an `f64`; choose other units");
         check("1e-400", "1e-400: `1e-400` is beyond the range of an `f64`; choose other units");

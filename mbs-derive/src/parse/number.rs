@@ -11,9 +11,8 @@ impl Reader<'_> {
     pub(super) fn number(&mut self) -> Parsed<Box<Expression>> {
         let Some(text) = self.literal() else { return Err(self.no_value()) };
         let span = self.last - text.len()..self.last;
-        let digits: String = text.chars().filter(|&c| c != '_').collect();
-        let decimal = digits[..decimal_length(&digits)].to_string();
-        let suffix = &digits[decimal.len()..];
+        let (decimal, suffix) = text.split_at(decimal_length(text));
+        let decimal: String = decimal.chars().filter(|&c| c != '_').collect();
         if let Some((message, help)) = no_number(text, &decimal, suffix) {
             return Err(self.refuse(Code::NumberForm, span, message, help));
         }
@@ -21,7 +20,7 @@ impl Reader<'_> {
     }
 }
 
-/// Why `text`, of which `decimal` and then `suffix` are left without underscores, is not a number, and what to write.
+/// Why `text`, which is `decimal` with underscores and then `suffix`, is not a number, and what to write.
 pub(super) fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(String, String)> {
     const TYPES: [&str; 8] = ["f32", "f64", "i32", "i64", "u32", "u64", "usize", "isize"];
     if decimal.is_empty() {
@@ -33,7 +32,7 @@ pub(super) fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(Stri
     if decimal == "0" && suffix.starts_with(['x', 'o', 'b']) {
         return Some((format!("`{text}` is not a decimal number"), "write it with digits 0 to 9".to_string()));
     }
-    if TYPES.contains(&suffix) {
+    if TYPES.contains(&suffix.trim_start_matches('_')) {
         return Some(("a number has no type".to_string(), format!("write `{decimal}`")));
     }
     if !suffix.is_empty() && !is_unit(suffix) {
@@ -48,9 +47,13 @@ pub(super) fn no_number(text: &str, decimal: &str, suffix: &str) -> Option<(Stri
     }
 }
 
-/// How much of `text` is a decimal number.
+/// How much of `text` is a decimal number, the underscores among and behind its digits included, but not those before a
+/// suffix: `2k_g` and `2_m` are no quantities.
 fn decimal_length(text: &str) -> usize {
-    let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+    let digits = |from: usize| match text[from..].starts_with('_') {
+        true => 0,
+        false => text[from..].bytes().take_while(|c| c.is_ascii_digit() || *c == b'_').count(),
+    };
     let mut end = digits(0);
     if text[end..].starts_with('.') {
         end += 1 + digits(end + 1);
@@ -59,7 +62,7 @@ fn decimal_length(text: &str) -> usize {
     if text[end..].starts_with(['e', 'E']) && digits(end + 1 + sign) > 0 {
         end += 1 + sign + digits(end + 1 + sign);
     }
-    end
+    if end == text.len() { end } else { text[..end].trim_end_matches('_').len() }
 }
 
 #[cfg(test)]
@@ -76,6 +79,8 @@ mod tests {
         check("1.sin()", "1.sin()");
         check("1.0.sin()", "1.0.sin()");
         check("1_000.5", "1000.5");
+        check("1_000_", "1000");
+        check("1_.5_e-1_0", "1.5e-10");
         check("1.", "1.");
         check("1e-3", "1e-3");
         check("1.5E+3", "1.5E+3");
