@@ -8,6 +8,7 @@ use crate::model::value::builtin::Call;
 use crate::model::value::constant::Dependence;
 use crate::model::value::evaluate::{Argument, Resolved, Resolver};
 use crate::model::value::{Shape, Value};
+use crate::parse::syntax::Span;
 
 impl<'g> Resolver<'_, 'g> {
     /// The unit vector along an axis of parameters, `v/|v|`; `None` where it is made of numbers, or no axis at all.
@@ -30,6 +31,22 @@ impl<'g> Resolver<'_, 'g> {
             ));
         }
         Ok(Some(vector.components.scale(1 / squared.sqrt())))
+    }
+
+    /// That a quaternion which does not move has the length 1, by the defaults of the parameters in it.
+    pub(in crate::model) fn check_length_of_quaternion(&mut self, parts: [Expr<'g>; 4], span: &Span) -> Resolved<()> {
+        let all = parts.map(|e| self.known.facts.dependence(e)).into_iter().fold(Dependence::default(), Dependence::or);
+        if all.moves() || all.on(Dependence::RATE) {
+            return Ok(());
+        }
+        let squared = self.at_defaults(parts.into_iter().map(|e| e.powi(2)).fold(self.graph.integer(0), |a, b| a + b));
+        // Of what is no number the energies are not finite, which is said elsewhere.
+        if squared.is_nan() || (squared - 1.0).abs() <= 1e-9 {
+            return Ok(());
+        }
+        let by_defaults = if all.on(Dependence::PARAMETER) { ", by the default values of the parameters" } else { "," };
+        let message = format!("a rotation is a quaternion of length 1{by_defaults} this has length {}", squared.sqrt());
+        Err(self.refuse(Code::QuaternionLength, span, message, "divide its components by its length"))
     }
 
     /// What an expression of parameters is at their defaults.

@@ -418,7 +418,8 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     pose([resolver.edge(Edge::Rotation { axis: unit, angle: if reversed { -expr } else { expr } }, &angle.span)?])
 }
 
-/// For `|q| = 1`, which is the user's to keep: by a constraint, where coordinates are among them.
+/// For `|q| = 1`, which is the user's to keep: by a constraint, where coordinates are among them, or when parameters are
+/// set.
 fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let part = |resolver: &mut Resolver<'_, 'g>, argument| {
         resolver.of_dimension(argument, "a component of a quaternion", Dimension::ONE)
@@ -428,13 +429,7 @@ fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
     let parts = [part(resolver, w), part(resolver, x), part(resolver, y), part(resolver, z)];
     let [w, x, y, z] = parts;
     let parts = [w?, x?, y?, z?];
-    let numbers: Option<Vec<f64>> =
-        parts.iter().map(|p| resolver.known.facts.constant(*p).map(Number::to_f64)).collect();
-    let squared = numbers.map(|numbers| numbers.iter().map(|n| n * n).sum::<f64>());
-    if let Some(squared) = squared.filter(|squared| (squared - 1.0).abs() > 1e-9) {
-        let message = format!("a rotation is a quaternion of length 1, this has length {}", squared.sqrt());
-        return Err(resolver.refuse(Code::QuaternionLength, call.span, message, "divide its components by its length"));
-    }
+    resolver.check_length_of_quaternion(parts, call.span)?;
     pose([resolver.edge(Edge::Quaternion(parts), call.span)?])
 }
 

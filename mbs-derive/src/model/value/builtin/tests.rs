@@ -160,6 +160,14 @@ fn quaternions() {
         "quaternion(1, 0, 0, 2): a rotation is a quaternion of length 1, this has length 2.23606797749979; divide its components by its length",
     );
     refused(
+        "param e[4]: 1 = [2, 0, 0, 0]; let a = quaternion(e);",
+        "quaternion(e): a rotation is a quaternion of length 1, by the default values of the parameters this has length 2; \
+         divide its components by its length",
+    );
+    let unit = "param e[4]: 1 = [2, 0, 0, 0]; let n = sqrt(e[0]^2 + e[1]^2 + e[2]^2 + e[3]^2); \
+                output o = quaternion(e[0]/n, e[1]/n, e[2]/n, e[3]/n).rotation();";
+    mechanism(unit, |_| ());
+    refused(
         "let a = quaternion(1, 0, 0, x);",
         "x: a component of a quaternion must be a plain number, this is m; divide by a quantity of the same dimension",
     );
