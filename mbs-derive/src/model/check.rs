@@ -79,6 +79,8 @@ pub(in crate::model) struct Found<'g> {
     pub(in crate::model) effective_rows: Vec<Vec<bool>>,
     /// Outputs, and arrays of them, as far as they have been met.
     pub(in crate::model) outputs: Vec<Outputs<'g>>,
+    /// The number among them of the one that each function belongs to.
+    pub(in crate::model) functions_of_outputs: BTreeMap<String, usize>,
     /// Arrays of constraints, as far as they have been met.
     pub(in crate::model) constraints: Vec<Family>,
 }

@@ -62,17 +62,21 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn noted_output(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<usize> {
-        match self.found.outputs.iter().position(|outputs| outputs.family.name.text == name.text) {
+        let known = self.found.functions_of_outputs.get(&name.text).copied();
+        match known.filter(|&known| self.found.outputs[known].family.name.text == name.text) {
             Some(known) if self.found.outputs[known].family.is_array || number.is_some() || self.is_in_a_loop() => {
                 let family = self.found.outputs[known].family.clone();
                 self.found.outputs[known].family = self.joined(family, name, number, "output")?;
                 Ok(known)
             }
             _ => {
-                self.check_output_name(name)?;
+                let functions = names_of_output(&name.text);
+                self.check_output_name(name, &functions)?;
+                let position = self.found.outputs.len();
+                self.found.functions_of_outputs.extend(functions.into_iter().map(|function| (function, position)));
                 let (family, docs) = (Family::new(name, number), docs.to_vec());
                 self.found.outputs.push(Outputs { family, docs, elements: BTreeMap::new(), requests: 0 });
-                Ok(self.found.outputs.len() - 1)
+                Ok(position)
             }
         }
     }
@@ -133,22 +137,20 @@ impl<'d, 'g> Resolver<'d, 'g> {
         Ok(())
     }
 
-    fn check_output_name(&mut self, name: &Name) -> Resolved<()> {
-        let text = name.text.as_str();
-        let functions = names_of_output;
-        let clashes = |other: &str| functions(other).iter().any(|f| functions(text).contains(f));
-        if let Some(output) = self.found.outputs.iter().find(|output| clashes(&output.family.name.text)) {
-            let other = &output.family.name.text;
+    fn check_output_name(&mut self, name: &Name, functions: &[String]) -> Resolved<()> {
+        let known = functions.iter().filter_map(|function| self.found.functions_of_outputs.get(function)).min();
+        if let Some(&position) = known {
+            let other = &self.found.outputs[position].family.name.text;
             let message =
                 format!("there is already an output `{other}`, with its `{other}_velocity` and `{other}_jacobian`");
             return Err(self.refuse(Code::NameClash, &name.span, message, "choose another name"));
         }
-        if let Some(joint) = self.found.joints.iter().find(|joint| functions(text).contains(&joint.family.name.text)) {
+        if let Some(joint) = self.found.joints.iter().find(|joint| functions.contains(&joint.family.name.text)) {
             let (message, first) =
                 (format!("there is already a reaction `{}`", joint.family.name.text), joint.family.name.span.clone());
             return Err(self.refuse_twice(&name.span, message, "choose another name".to_string(), first));
         }
-        self.check_is_free(name, &functions(text), "output")
+        self.check_is_free(name, functions, "output")
     }
 }
 

@@ -11,7 +11,6 @@
 //!
 //! whose generalized forces, where all of them are zero, are the force and the moment at the joint.
 
-use crate::catalogue::names_of_output;
 use crate::diagnostic::Code;
 use crate::expr::{Expr, Graph, Symbol, Vector};
 use crate::model::frame::Edge;
@@ -167,8 +166,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     fn check_reaction_name(&mut self, name: &Name) -> Resolved<()> {
-        let mut outputs = self.found.outputs.iter().map(|output| &output.family.name.text);
-        if let Some(output) = outputs.find(|output| names_of_output(output).contains(&name.text)) {
+        if let Some(&position) = self.found.functions_of_outputs.get(&name.text) {
+            let output = &self.found.outputs[position].family.name.text;
             let message = format!("there is already an output `{output}` with a function of this name");
             return Err(self.refuse(Code::NameClash, &name.span, message, "choose another name"));
         }
