@@ -350,6 +350,10 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 self.check_length(array.values().len(), length, &expression.span)?;
                 array.values().iter().map(|value| scalar(self, value)).collect()
             }
+            (Value::Vector(_), Some(3)) => {
+                let elements = self.elements(&Argument { value, span: expression.span.clone() })?;
+                elements.iter().map(|value| scalar(self, value)).collect()
+            }
             (Value::Array(array), None) => {
                 let message = format!("`{}` is one number, this is {}", name.text, value.described());
                 let help = format!("write `param {}[{}]`", name.text, array.values().len());

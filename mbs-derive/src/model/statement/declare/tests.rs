@@ -29,6 +29,8 @@ fn plain_numbers_are_in_the_declared_unit() {
     check("param a: 1 = 2^-2;", Number::rational(1, 4), "1");
     check("const b: mm = 4; param a: mm = 2*b;", Number::rational(1, 125), "m");
     check("param a[3]: kg = [1, 2, 3];", Number::rational(3, 1), "kg");
+    check("param a[3]: mm = -[1, 2, 3];", Number::rational(-3, 1000), "m");
+    check("const v[3]: m = [1, 2, 3]; param a[3]: m = 2*[v[0], v[1], v[2]];", Number::rational(6, 1), "m");
     check("param a[3]: kg = 1/3;", Number::rational(1, 3), "kg");
     check("const n = 3; param a[2*n]: kg = 0;", Number::rational(0, 1), "kg");
 }
