@@ -39,7 +39,7 @@ pub(in crate::model) struct Known<'g> {
 }
 
 /// The value of an expression.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::model) enum Value<'g> {
     /// One number.
     Scalar(Scalar<'g>),
@@ -58,7 +58,7 @@ pub(in crate::model) enum Value<'g> {
 }
 
 /// A part that has been built.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::model) struct Instance<'g> {
     /// The name of the part.
     pub(in crate::model) part: String,
@@ -69,14 +69,14 @@ pub(in crate::model) struct Instance<'g> {
 }
 
 /// One number with its dimension. The literal 0 fits every dimension.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::model) struct Scalar<'g> {
     pub(in crate::model) expr: Expr<'g>,
     pub(in crate::model) dimension: Dimension,
 }
 
 /// A vector's components in the axes of `frame`; those of the world for a plain `[x, y, z]`.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::model) struct Free<'g> {
     pub(in crate::model) components: Vector<'g>,
     pub(in crate::model) frame: FrameId,
@@ -91,7 +91,7 @@ pub(in crate::model) struct Point<'g> {
 }
 
 /// A matrix with the dimension that its entries share.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::model) struct Tensor<'g> {
     pub(in crate::model) entries: Matrix<'g>,
     /// The axes that rows and columns are in; plain numbers `[[…], […], […]]` do not say.
@@ -100,14 +100,14 @@ pub(in crate::model) struct Tensor<'g> {
 }
 
 /// A frame, and what moves from there on: frames are made only of poses that something stands on.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::model) struct Pose<'g> {
     pub(in crate::model) base: FrameId,
     pub(in crate::model) edges: Vec<Edge<'g>>,
 }
 
 /// Values in a row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(in crate::model) struct Array<'g> {
     values: Rc<[Value<'g>]>,
     /// How many values that are no arrays there are in it, all levels together.

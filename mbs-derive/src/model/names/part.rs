@@ -208,8 +208,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.effort.loops = loops;
         self.effort.depth_of_blocks -= 1;
         let given = self.names.parts.open.pop().map(|open| open.outputs).unwrap_or_default();
-        self.report.calls.pop();
         let instance = Instance { is_whole, ..self.finished(part, given) };
+        self.report.calls.pop();
         self.names.scope.leave();
         if complete { Ok(instance) } else { Err(Refused) }
     }
@@ -242,16 +242,27 @@ impl<'d, 'g> Resolver<'d, 'g> {
     }
 
     /// What a part gives: its outputs, and what its body declares.
-    fn finished(&self, part: &Name, outputs: BTreeMap<String, Value<'g>>) -> Instance<'g> {
+    fn finished(&mut self, part: &Name, outputs: BTreeMap<String, Value<'g>>) -> Instance<'g> {
         let mut values: BTreeMap<_, _> = outputs.into_iter().map(|(name, value)| (name, Some(value))).collect();
+        let mut twofold = Vec::new();
         for (name, binding) in self.names.scope.innermost() {
             if matches!(binding.origin, Origin::Local | Origin::Mutable | Origin::Constant | Origin::Part) {
                 let value = match &binding.elements {
                     Some(elements) => elements.whole(),
                     None => binding.value.clone(),
                 };
-                values.insert(name.clone(), value);
+                match values.insert(name.clone(), value.clone()) {
+                    Some(output) if value.is_some() && output != value => {
+                        twofold.push((name.clone(), binding.origin, binding.span.clone()));
+                    }
+                    _ => {}
+                }
             }
+        }
+        for (name, origin, span) in twofold {
+            let message = format!("`{name}` is {} and an output of another value", origin.described());
+            let help = format!("outside both would be `part.{name}`: choose another name");
+            self.refuse(Code::NameClash, &span, message, help);
         }
         Instance { part: part.text.clone(), values, is_whole: true }
     }
@@ -422,6 +433,12 @@ mod tests {
         refused(
             "part p(a) { let b = a; } p one(2); let c = b;",
             "b: `b` is not declared; declare it: `param b: m = …;` or `let b = …;`",
+        );
+        // An output of the same name has the same value.
+        same("part p(a) { let b = 2*a; output b = b; const c = 3; output c = 3; } p one(x);", "one.b*one.c", "6*x");
+        refused(
+            "part p(a) { output b = 2*a; let b = a; } p one(x); p two(y);",
+            "b: `b` is a `let` and an output of another value; outside both would be `part.b`: choose another name",
         );
         // A name of its own may be what a statement begins with.
         let named = "part link(part) { let gravity = 2*part; } link part(x); let mut gravity = 1; gravity = 3;";
