@@ -219,9 +219,19 @@ pub(super) fn shared(sources: &Sources) -> Option<Result<Vec<Statement>, Diagnos
 }
 
 /// The text of a mechanism with the statements of all that it imports put in place, before its own.
+///
+/// # Errors
+/// Also a function of the mechanism that has the name of a built-in one which imported files call.
 pub(super) fn in_one_text(sources: &Sources) -> Result<String, Diagnostics> {
     let text = sources.main().text.as_deref().unwrap_or_default();
     let Declaration { imports, imported, name, statements, of_robots, .. } = declaration(sources)?;
+    let mut errors = Diagnostics::default();
+    for name in statements.iter().filter_map(function_name).filter(|name| imported.iter().any(|s| calls(s, name))) {
+        let message =
+            format!("an imported file calls the built-in `{}`: in one text it would call this one", name.text);
+        errors.error(Code::NameClash, name.span.clone(), message).help("choose another name");
+    }
+    errors.finish(())?;
     let (tokens, _) = sources.tokens();
     let behind_next = |at: usize| tokens.iter().find(|token| token.start >= at).map_or(at, |token| token.end);
     let (mut whole, mut from) = (String::new(), 0);
@@ -236,6 +246,21 @@ pub(super) fn in_one_text(sources: &Sources) -> Result<String, Diagnostics> {
         statement.to_string().lines().for_each(|line| whole += &format!("\n    {line}"));
     }
     Ok(whole + &text[brace..])
+}
+
+fn function_name(statement: &Statement) -> Option<&Name> {
+    let StatementKind::Function { name, .. } = &statement.kind else { return None };
+    Some(name)
+}
+
+/// Whether a statement that does not declare the function calls it.
+fn calls(statement: &Statement, function: &Name) -> bool {
+    let text = statement.to_string();
+    let (tokens, _) = lexer::cut(&text);
+    let text = |token: &lexer::Token| &text[token.span()];
+    tokens
+        .windows(3)
+        .any(|w| text(&w[1]) == function.text && text(&w[2]) == "(" && ![".", "part"].contains(&text(&w[0])))
 }
 
 /// What can be read of a mechanism, or else of a file to be imported as a mechanism that has nothing of its own;

@@ -49,6 +49,24 @@ fn what_is_imported_is_put_in_place() {
     assert_eq!(in_one_text(&gathered(&[("m.mbs", &whole)])).unwrap(), whole);
 }
 
+/// A file does not see the mechanism's functions, but in one text it would.
+#[test]
+fn imported_files_keep_the_built_in_functions() {
+    let own = "import \"a.mbs\"; mechanism M { coord x: m; fn spring(k, l, r) = k*(l - r)^2; }";
+    let check = |imported: &str, expected: &[&str]| {
+        let sources = gathered(&[("m.mbs", own), ("a.mbs", imported)]);
+        assert_eq!(messages(in_one_text(&sources), &sources), expected, "{imported}");
+    };
+    let message = "m.mbs: spring: an imported file calls the built-in `spring`: in one text it would call this one; \
+                   choose another name";
+    check("fn energy(k, x) = 2*spring(k, x, 0);", &[message]);
+    check("part p(k, x) { for i in 0..2 { potential += spring(k, x, i); } }", &[message]);
+    check(
+        "/// As spring(k, x, 0).\nfn energy(k, spring) = k.spring(spring) + spring; part spring(k) { let a = k; }",
+        &[],
+    );
+}
+
 /// `//!` is about the file, `///` about what follows it.
 #[test]
 fn the_first_statement_of_a_shared_file_has_its_documentation() {
