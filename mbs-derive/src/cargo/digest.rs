@@ -50,7 +50,7 @@ impl Digest {
     }
 
     /// Of all that decides on what this program makes of a mechanism: itself, what is asked for, and the texts of the
-    /// mechanism and of what it imports, as they are called in reports.
+    /// mechanism and of what it imports, as they are called in reports, with what is doubtful in the files of robots.
     pub fn of_request(what: &str, sources: &Sources) -> Self {
         let program = Self::of_this_program().map(Self::bytes).unwrap_or_default();
         let files = (0..sources.count()).map(|number| sources.file(number)).flat_map(|file| {
@@ -60,7 +60,10 @@ impl Digest {
             };
             [file.name.as_bytes(), kind.as_bytes(), text.as_bytes()]
         });
-        Self::of([&program[..], what.as_bytes()].into_iter().chain(files))
+        // Where something stands in the file of a robot its text, which has been written anew, does not tell.
+        let warnings = (0..sources.count()).flat_map(|number| &sources.file(number).warnings);
+        let warnings = warnings.flat_map(|warning| [warning.message.as_bytes(), warning.help.as_bytes()]);
+        Self::of([&program[..], what.as_bytes()].into_iter().chain(files).chain(warnings))
     }
 
     /// The digest itself.
@@ -133,6 +136,14 @@ mod tests {
         };
         assert!(imported(b"const a = 1;") != imported(b"const a = 2;"));
         assert!(imported(b"const a = 1;") == imported(b"const a = 1;"));
+        let doubtful = |message: &str| {
+            let read = |_: &str| {
+                let warning = crate::source::Warning { message: message.into(), help: String::new() };
+                Ok((b"mechanism M { }".to_vec(), vec![warning]))
+            };
+            Digest::of_request("a", &Sources::followed("m.mbs", "", |_| vec!["r.urdf".into()], read))
+        };
+        assert!(doubtful("r.urdf:3:1: a") != doubtful("r.urdf:6:1: a"));
         assert!(Digest::of_this_program().is_some());
     }
 
