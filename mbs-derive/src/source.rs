@@ -139,6 +139,11 @@ impl Sources {
         self.calls.get(span.start).copied()
     }
 
+    /// All of them.
+    pub(crate) fn calls(&self) -> &[Place] {
+        &self.calls
+    }
+
     /// A text, and what it imports, directly or not: `imports` finds the paths in a text, `read` is given the name of
     /// each file once and answers its bytes, and what is doubtful in it.
     pub(crate) fn followed(

@@ -30,14 +30,20 @@ impl Kept {
         Self::of(folder, "", &format!("{options:?}"), sources)
     }
 
-    /// The record of a mechanism that calls have written, in place of a text and beside others of the same script.
+    /// The record of a mechanism that calls have written, in place of a text and beside others of the same script:
+    /// warnings name the places of the calls.
     pub(super) fn written(
         folder: &Path,
         declaration: &Declaration,
         sources: &Sources,
         options: &Options,
     ) -> Option<Self> {
-        Self::of(folder, &declaration.name.text, &format!("{options:?}\n{declaration:?}"), sources)
+        Self::of(
+            folder,
+            &declaration.name.text,
+            &format!("{options:?}\n{declaration:?}\n{:?}", sources.calls()),
+            sources,
+        )
     }
 
     fn of(folder: &Path, name: &str, request: &str, sources: &Sources) -> Option<Self> {
@@ -110,11 +116,13 @@ mod tests {
 
     #[test]
     fn mechanisms_of_calls_are_kept_one_by_one() {
-        let mechanism = |name: &str, unit: &str| {
+        let mechanism_at = |line: u32, name: &str, unit: &str| {
             let mut mechanism = crate::builder::Mechanism::new(name, "");
+            mechanism.at(crate::source::Place { file: "table.csv", line, column: 1 });
             mechanism.coord("x", unit);
             mechanism
         };
+        let mechanism = |name: &str, unit: &str| mechanism_at(1, name, unit);
         let kept = |mechanism: crate::builder::Mechanism| {
             let (declaration, sources) = (mechanism.declaration().unwrap(), mechanism.sources());
             Kept::written(Path::new("out"), &declaration, &sources, &Options::default()).unwrap()
@@ -125,6 +133,7 @@ mod tests {
         assert_eq!(one.file, longer.file);
         assert_ne!(one.request.to_string(), longer.request.to_string());
         assert_eq!(one.request.to_string(), kept(mechanism("One", "m")).request.to_string());
+        assert_ne!(one.request.to_string(), kept(mechanism_at(2, "One", "m")).request.to_string());
     }
 
     #[test]
