@@ -332,11 +332,17 @@ pub(in crate::model) fn measure(unit: &Unit) -> Result<Measure, UnitError> {
         };
         let dimension = Dimension::integers(named.exponents).power(n, d);
         measure.dimension = dimension.and_then(|d| measure.dimension.times(d)).ok_or_else(too_large)?;
-        measure.scale = measure.scale * power(named.scale(), n, d).ok_or_else(too_large)?;
-        measure.si += &match named.coherent.strip_prefix("1/") {
-            Some(inverse) => written(inverse, -n, d, measure.si.is_empty()),
-            None => written(named.coherent, n, d, measure.si.is_empty()),
+        let coherent = |first: bool| match named.coherent.strip_prefix("1/") {
+            Some(inverse) => written(inverse, -n, d, first),
+            None => written(named.coherent, n, d, first),
         };
+        let no_half = || UnitError {
+            span: factor.name.span.clone(),
+            message: format!("the exponent of `{}` is a whole or a half number, up to 20", factor.name.text),
+            help: Some(format!("write `{}`, and the value in it", coherent(true))),
+        };
+        measure.scale = measure.scale * power(named.scale(), n, d).ok_or_else(no_half)?;
+        measure.si += &coherent(measure.si.is_empty());
     }
     if measure.si.is_empty() {
         measure.si.push('1');
@@ -462,7 +468,11 @@ mod tests {
         assert!(["degC", "DegF", "Celsius"].iter().all(|name| help(name).unwrap() == kelvin));
         assert!(help("furlong").unwrap().starts_with("units are those of the SI"));
         assert!(of(&[("m", 1, 0)]).is_err());
-        assert!(of(&[("mm", 1, 3)]).is_err());
+        let exponent = |name: &str, n, d| of(&[(name, n, d)]).map_err(|error| (error.message, error.help));
+        let no_half = "the exponent of `mm` is a whole or a half number, up to 20".to_string();
+        let help = |unit: &str| Some(format!("write `{unit}`, and the value in it"));
+        assert_eq!(exponent("mm", 1, 3), Err((no_half.clone(), help("m^(1/3)"))));
+        assert_eq!(exponent("mm", -21, 1), Err((no_half, help("1/m^21"))));
         assert!(of(&[("mm", i32::MIN, 1)]).is_err());
     }
 }
