@@ -5,6 +5,10 @@
 //! report names the call, by file, line and column, where it would underline a text. What a message calls `at_12_9` is
 //! the value that the call at line 12, column 9 gave.
 //!
+//! Loops, functions and parts are those of Rust. There are no matrices but the six entries of an inertia, no arrays of
+//! constraints, outputs, signals and positive parameters, no shapes, no `jacobian_rate`, no `dh`, no functions of the
+//! library, and one comparison, [`Scalar::below`].
+//!
 //! ```
 //! use mbs_derive::builder::{Mechanism, Vector, particle};
 //!

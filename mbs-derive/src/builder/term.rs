@@ -292,7 +292,32 @@ macro_rules! of_two {
 
 of_two!(atan2 hypot min max);
 
+macro_rules! tables {
+    ($($name:ident)*) => {
+        impl Scalar {$(
+            #[doc = concat!("`", stringify!($name), "(x, xs, ys)`, as in the language, of samples (x, y).")]
+            #[must_use]
+            #[track_caller]
+            pub fn $name<X: Into<Scalar>, Y: Into<Scalar>>(&self, samples: impl IntoIterator<Item = (X, Y)>) -> Scalar {
+                let samples = samples.into_iter().map(|(x, y)| (x.into().0, y.into().0));
+                let (xs, ys) = samples.unzip();
+                let (xs, ys) = (Term::call(Kind::Array, xs), Term::call(Kind::Array, ys));
+                Scalar(Term::call(Kind::Call(stringify!($name)), vec![self.term(), xs, ys]))
+            }
+        )*}
+    };
+}
+
+tables!(table table_monotone table_spline);
+
 impl Scalar {
+    /// `clamp(x, low, high)`
+    #[must_use]
+    #[track_caller]
+    pub fn clamp(&self, low: impl Into<Scalar>, high: impl Into<Scalar>) -> Scalar {
+        Scalar(Term::call(Kind::Call("clamp"), vec![self.term(), low.into().0, high.into().0]))
+    }
+
     /// `dt(x)`: the total time derivative.
     #[must_use]
     #[track_caller]
@@ -401,6 +426,12 @@ impl Pose {
     #[track_caller]
     pub fn rpy(roll: impl Into<Scalar>, pitch: impl Into<Scalar>, yaw: impl Into<Scalar>) -> Self {
         Pose(Term::call(Kind::Call("rpy"), vec![roll.into().0, pitch.into().0, yaw.into().0]))
+    }
+
+    /// `quaternion(w, x, y, z)`: of length 1, which a constraint keeps where coordinates are among them.
+    #[track_caller]
+    pub fn quaternion(w: impl Into<Scalar>, x: impl Into<Scalar>, y: impl Into<Scalar>, z: impl Into<Scalar>) -> Self {
+        Pose(Term::call(Kind::Call("quaternion"), vec![w.into().0, x.into().0, y.into().0, z.into().0]))
     }
 
     /// `pose.inverse()`

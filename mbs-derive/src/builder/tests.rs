@@ -124,3 +124,30 @@ fn what_hangs_on_a_reaction_counts() {
     let written = a.generate(&Options::default()).unwrap();
     assert_eq!(module(&written.code), module(&read.code));
 }
+
+#[test]
+fn a_free_body_on_tables() {
+    let mut a = Mechanism::new("A", "");
+    let (r, e) = (a.coords("r", 3, "m"), a.coords("e", 4, "1"));
+    let push = a.input("push", "N");
+    let body = Pose::translation(Vector::new(&r[0], &r[1], &r[2])) * Pose::quaternion(&e[0], &e[1], &e[2], &e[3]);
+    let moment = |number| quantity(number, "kg*m^2");
+    let inertia = [3.0, 4.0, 5.0, 0.0, 0.0, 0.0].map(moment);
+    a.kinetic(rigid_body(quantity(2.0, "kg"), [0.0, 0.0, 0.0], inertia, &body));
+    let square = |part: &Scalar| part.pow(2.0);
+    a.constraint("unit", &(square(&e[0]) + square(&e[1]) + square(&e[2]) + square(&e[3])), &1.0.into());
+    let samples = [(-1.0, -8.0), (0.0, 0.0), (1.0, 9.0)].map(|(x, f)| (quantity(x, "m"), quantity(f, "N")));
+    a.force(&r[0], -r[0].table_monotone(samples.clone()));
+    a.force(&r[1], -r[1].table_spline(samples.clone()));
+    a.force(&r[2], -r[2].table(samples) + push.clamp(quantity(-1.0, "N"), quantity(1.0, "N")));
+    let text = "mechanism A { coord r[3]: m; coord e[4]: 1; input push: N;
+        let body = translation([r[0], r[1], r[2]])*quaternion(e[0], e[1], e[2], e[3]);
+        kinetic += rigid_body(2 kg, [0, 0, 0], inertia(3 kg*m^2, 4 kg*m^2, 5 kg*m^2, 0, 0, 0), body);
+        constraint unit: e[0]^2 + e[1]^2 + e[2]^2 + e[3]^2 = 1;
+        const xs[3]: m = [-1, 0, 1]; const fs[3]: N = [-8, 0, 9];
+        force r[0] += -table_monotone(r[0], xs, fs); force r[1] += -table_spline(r[1], xs, fs);
+        force r[2] += -table(r[2], xs, fs) + clamp(push, -1 N, 1 N); }";
+    let read = generate("a.mbs", text, &Options::default()).unwrap();
+    let written = a.generate(&Options::default()).unwrap();
+    assert_eq!(module(&written.code), module(&read.code));
+}
