@@ -33,20 +33,28 @@ impl<'g> Resolver<'_, 'g> {
         Ok(Some(vector.components.scale(1 / squared.sqrt())))
     }
 
-    /// That a quaternion which does not move has the length 1, by the defaults of the parameters in it.
-    pub(in crate::model) fn check_length_of_quaternion(&mut self, parts: [Expr<'g>; 4], span: &Span) -> Resolved<()> {
+    /// A quaternion as a rotation, that is, of length 1: numbers are given to some digits and divided by their length;
+    /// parameters have it by their defaults; of what moves it is the user's to keep.
+    pub(in crate::model) fn unit_quaternion(&mut self, parts: [Expr<'g>; 4], span: &Span) -> Resolved<[Expr<'g>; 4]> {
         let all = parts.map(|e| self.known.facts.dependence(e)).into_iter().fold(Dependence::default(), Dependence::or);
         if all.moves() || all.on(Dependence::RATE) {
-            return Ok(());
+            return Ok(parts);
         }
-        let squared = self.at_defaults(parts.into_iter().map(|e| e.powi(2)).fold(self.graph.integer(0), |a, b| a + b));
+        let (by_defaults, tolerance) = match all.on(Dependence::PARAMETER) {
+            true => (", by the default values of the parameters", 1e-9),
+            false => (",", 1e-6),
+        };
+        let square = parts.into_iter().map(|e| e.powi(2)).fold(self.graph.integer(0), |a, b| a + b);
+        let length = self.at_defaults(square).sqrt();
         // Of what is no number the energies are not finite, which is said elsewhere.
-        if squared.is_nan() || (squared - 1.0).abs() <= 1e-9 {
-            return Ok(());
+        if (length - 1.0).abs() > tolerance {
+            let message = format!("a rotation is a quaternion of length 1{by_defaults} this has length {length}");
+            let help = "divide its components by its length";
+            return Err(self.refuse(Code::QuaternionLength, span, message, help));
         }
-        let by_defaults = if all.on(Dependence::PARAMETER) { ", by the default values of the parameters" } else { "," };
-        let message = format!("a rotation is a quaternion of length 1{by_defaults} this has length {}", squared.sqrt());
-        Err(self.refuse(Code::QuaternionLength, span, message, "divide its components by its length"))
+        let inverse = self.known.facts.constant(square).filter(|square| square.to_f64() != 1.0);
+        let Some(inverse) = inverse.and_then(|square| square.power(-1)) else { return Ok(parts) };
+        Ok(parts.map(|e| self.known.facts.constant(e).map_or(e, |n| self.graph.constant(n * inverse))))
     }
 
     /// What an expression of parameters is at their defaults.

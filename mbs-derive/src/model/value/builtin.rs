@@ -428,8 +428,7 @@ fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resol
     let [w, x, y, z] = single.as_deref().unwrap_or(call.arguments) else { return Err(Refused) };
     let parts = [part(resolver, w), part(resolver, x), part(resolver, y), part(resolver, z)];
     let [w, x, y, z] = parts;
-    let parts = [w?, x?, y?, z?];
-    resolver.check_length_of_quaternion(parts, call.span)?;
+    let parts = resolver.unit_quaternion([w?, x?, y?, z?], call.span)?;
     pose([resolver.edge(Edge::Quaternion(parts), call.span)?])
 }
 

@@ -159,6 +159,15 @@ fn quaternions() {
         "let a = quaternion(1, 0, 0, 2);",
         "quaternion(1, 0, 0, 2): a rotation is a quaternion of length 1, this has length 2.23606797749979; divide its components by its length",
     );
+    // Of eight digits, as files hold them.
+    let digits = "quaternion(0.70710678, 0, 0, 0.70710678)";
+    near(&value("", &format!("[({digits}*[1, 0, 0]).norm(), {digits}.point([l, 0, 0]).y/l]")), &[1.0, 1.0], "a unit");
+    near(&value("", "quaternion(0.6, 0.8000009, 0, 0).rotation()[0]"), &[1.0, 0.0, 0.0], "a unit");
+    refused(
+        "param e[4]: 1 = [0.70710678, 0, 0, 0.70710678]; let a = quaternion(e);",
+        "quaternion(e): a rotation is a quaternion of length 1, by the default values of the parameters this has length \
+         0.9999999983219684; divide its components by its length",
+    );
     refused(
         "param e[4]: 1 = [2, 0, 0, 0]; let a = quaternion(e);",
         "quaternion(e): a rotation is a quaternion of length 1, by the default values of the parameters this has length 2; \
