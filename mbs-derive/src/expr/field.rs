@@ -127,6 +127,11 @@ impl<const K: usize> Prime<K> {
         (Self::times(root, root) == a).then_some(root)
     }
 
+    /// A function without a law, another one for each tag.
+    pub(super) fn any(tag: u64, a: u64) -> u64 {
+        mixed(mixed(a) ^ tag) % Self::P
+    }
+
     /// An odd function, another one for each tag.
     pub(super) fn odd(tag: u64, a: u64) -> u64 {
         let (size, is_negative) = Self::sign(a);

@@ -301,7 +301,7 @@ pub(super) fn key(symbol: Symbol) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::{Graph, HalfInteger, Number};
+    use crate::expr::{Graph, HalfInteger, Number, Spline};
 
     /// x, y with their rates v, w, and a parameter c.
     struct Symbols<'g> {
@@ -385,6 +385,11 @@ mod tests {
         assert_eq!(vanishes(square + graph.constant(Number::parse_decimal("1e-40").unwrap())), Verdict::Fails);
         assert_eq!(vanishes(x.powi(2).sqrt() - x), Verdict::Fails);
         assert_eq!(vanishes(x.call(Function::Abs) - x), Verdict::Fails);
+        let table = Spline::new(vec![0.0], vec![vec![0.0, 2.0, 3.0], vec![0.0, 2.0, 6.0]]);
+        let at = |x| graph.spline(&table, x);
+        assert_eq!(vanishes(at(x + y) - at(y + x)), Verdict::Holds);
+        assert_eq!(vanishes(at(x) + at(-x)), Verdict::Fails);
+        assert_eq!(vanishes(at(x - x)), Verdict::Fails);
         let beyond = graph.select(graph.integer(100).less(x), x, graph.integer(0));
         assert_eq!(vanishes(beyond), Verdict::Fails);
         assert_eq!(vanishes(graph.integer(0) / graph.integer(0)), Verdict::Undecided);

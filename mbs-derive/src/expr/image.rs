@@ -460,10 +460,11 @@ impl<const K: usize> Value for Image<K> {
             _ if !self.is_defined() => self,
             _ if order > spline.degree() => Self::rational(Ratio::ZERO),
             Form::Rational(_) => spline.derivative(self, order),
-            _ if self.double.is_nan() => Self::keyed(mixed(spline.key() ^ order as u64), self.value),
+            // What cancels, as `x - x`.
+            _ if self.is_zero() => spline.derivative(Self::rational(Ratio::ZERO), order),
             _ => {
-                let value = Self::keyed(mixed(spline.key() ^ order as u64), self.value);
-                value.beside(spline.derivative(self.double, order))
+                let image = Self::opaque(Prime::<K>::any(mixed(spline.key() ^ order as u64), self.value));
+                if self.double.is_nan() { image } else { image.beside(spline.derivative(self.double, order)) }
             }
         }
     }

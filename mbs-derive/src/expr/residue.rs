@@ -308,7 +308,7 @@ impl<const K: usize> Value for Residue<K> {
         if order > spline.degree() {
             Self::constant(0.0)
         } else {
-            Self::opaque(Prime::<K>::odd(mixed(spline.key() ^ order as u64), self.value))
+            Self::opaque(Prime::<K>::any(mixed(spline.key() ^ order as u64), self.value))
         }
     }
 

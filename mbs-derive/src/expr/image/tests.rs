@@ -135,6 +135,19 @@ fn exponents_add_and_other_functions_are_equal_where_their_arguments_are() {
 }
 
 #[test]
+fn tables_are_functions_without_a_law() {
+    let table = Spline::new(vec![0.0], vec![vec![0.0, 2.0, 3.0], vec![0.0, 2.0, 6.0]]);
+    for [x, y, _] in points() {
+        equal(x.add(y).spline(&table, 0), y.add(x).spline(&table, 0));
+        differ(x.neg().spline(&table, 0), x.spline(&table, 0).neg());
+        equal(x.sub(x).spline(&table, 0), number(2, 1));
+        equal(x.sub(x).spline(&table, 1), number(6, 1));
+        equal(x.spline(&table, 2), number(0, 1));
+    }
+    equal(number(-1, 2).spline(&table, 0), number(1, 2));
+}
+
+#[test]
 fn conditions_are_numbers() {
     let (zero, one) = (number(0, 1), number(1, 1));
     let less = |a: Image, b: Image| a.condition(b, false);

@@ -100,6 +100,17 @@ fn other_functions_are_equal_where_their_arguments_are() {
 }
 
 #[test]
+fn tables_are_functions_without_a_law() {
+    let table = Spline::new(vec![0.0], vec![vec![0.0, 2.0, 3.0], vec![0.0, 2.0, 6.0]]);
+    for [x, y, _] in points() {
+        equal(x.add(y).spline(&table, 0), y.add(x).spline(&table, 0));
+        assert_ne!(x.neg().spline(&table, 0).value, x.spline(&table, 0).neg().value);
+        assert!(!x.sub(x).spline(&table, 0).is_zero() && !x.sub(x).spline(&table, 1).is_zero());
+        assert!(x.spline(&table, 2).is_zero());
+    }
+}
+
+#[test]
 fn exponents_add() {
     let exp = |x: Residue| x.call(Function::Exp);
     for [x, y, z] in points() {

@@ -351,6 +351,12 @@ mod tests {
         same("", "if l/l < 1 { x } else { y }", "y");
         same("", "if sin(x/l)^2 + cos(x/l)^2 >= 1 { x } else { y }", "x");
         same("", "if x < 0 || l/l > 1 { x } else if (x + y)^2 <= x^2 + 2*x*y + y^2 { y } else { z }", "y");
+        // What holds of some functions alone: a table has no sign of its own.
+        let table = "const s[3]: m = [-1, 0, 1]; const h[3]: N = [-1, 2, 8]; let right = table(x, s, h); \
+                     let left = -table(-x, s, h);";
+        same(table, "[max(left, right), abs(right - left)]", "[right, right - left]");
+        same(table, "if table(0*x, s, h) > 0 { x } else { y }", "x");
+        same(table, "signum(table(x, s, h) + table(-x, s, h))", "1");
         // What is not a number on the other side does not matter.
         same("", "if y > 0 { sqrt(y) } else { 2*sqrt(-y) }", "2*sqrt(-y)");
         same("", "dt(if y > 0 { sqrt(y) } else { 2*sqrt(-y) })", "dt(2*sqrt(-y))");
