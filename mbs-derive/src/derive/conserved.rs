@@ -260,6 +260,14 @@ mod tests {
         assert_eq!(conserved("if y > 20 { y - 20 } else { 0 }"), ["energy_integral", "p_x"]);
     }
 
+    /// Without input `atan2(u, x)` is π where x is negative.
+    #[test]
+    fn a_force_that_is_zero_on_one_side_conserves_nothing() {
+        let free = "input u: 1; kinetic += dt(x)^2 + dt(y)^2;";
+        assert_eq!(conserved_with(&format!("{free} force x += u;")), ["energy_integral", "p_x", "p_y"]);
+        assert_eq!(conserved_with(&format!("{free} force x += atan2(u, 9 - 0.3*x);")), ["p_y"]);
+    }
+
     /// At a thousand the slope of tanh is zero in doubles.
     #[test]
     fn a_momentum_is_not_conserved_where_a_force_has_saturated() {

@@ -390,6 +390,8 @@ mod tests {
         assert_eq!(vanishes(at(x + y) - at(y + x)), Verdict::Holds);
         assert_eq!(vanishes(at(x) + at(-x)), Verdict::Fails);
         assert_eq!(vanishes(at(x - x)), Verdict::Fails);
+        assert_eq!(vanishes((x - y).call2(Binary::Atan2, x) + (y - x).call2(Binary::Atan2, x)), Verdict::Holds);
+        assert_eq!(vanishes((x - x).call2(Binary::Atan2, y)), Verdict::Fails);
         let beyond = graph.select(graph.integer(100).less(x), x, graph.integer(0));
         assert_eq!(vanishes(beyond), Verdict::Fails);
         assert_eq!(vanishes(graph.integer(0) / graph.integer(0)), Verdict::Undecided);

@@ -12,8 +12,9 @@
 //! - exponentials are powers of a number of prime order in the same way;
 //! - of the two roots of a square one is itself a square, and that one is `√x`: roots are multiplicative, and
 //!   `√x · √x = x`. Of what is no square there is no root, and no value;
-//! - every other function is opaque: equal where its arguments are, and odd where it is odd. What is not a sum of
-//!   terms, as a function inside an angle, is a term of its own, told from others by its value;
+//! - every other function is opaque: equal where its arguments are, and odd where it is odd, `atan2(y, x)` in y where
+//!   that is not zero throughout. What is not a sum of terms, as a function inside an angle, is a term of its own, told
+//!   from others by its value;
 //! - a condition is a number of its own, t, told from others by the difference that is compared, and a choice is
 //!   `t a + (1 − t) b`: what holds for all t holds for 0 and 1. `a < b` is `1 − t` of `b <= a`, and of two rational
 //!   numbers it is known. Signum is such a number as well, odd, and `|x|` is x times that. Where a double goes along
@@ -158,6 +159,15 @@ impl<const K: usize> Image<K> {
             _ if self.is_zero() => Self::rational(Ratio::ZERO),
             _ if !self.double.is_nan() => Self::halved(2 * signum(self.double) as i64),
             _ => Self::keyed(0x7369_676e, self.value),
+        }
+    }
+
+    /// `atan2(0, self)`: 0 or π, by a sign that only numbers have in a field.
+    fn on_axis(self) -> Self {
+        match self.form {
+            Form::Rational(ratio) if ratio.numerator < 0 => Self::turn(Ratio::ONE),
+            Form::Rational(_) => Self::rational(Ratio::ZERO),
+            _ => Self::opaque(Prime::<K>::any(0x6178_6973, self.value)),
         }
     }
 
@@ -448,6 +458,7 @@ impl<const K: usize> Value for Image<K> {
             _ => None,
         };
         let image = match (function, halves) {
+            (Binary::Atan2, _) if self.is_zero() => other.on_axis(),
             (Binary::Atan2, _) => Self::keyed(mixed(other.value), self.value),
             (Binary::Powf, Some(halves @ -1000..=1000)) => self.power(halves as i32),
             (Binary::Powf, _) => Self::opaque(mixed(mixed(self.value) ^ other.value) % Self::P),

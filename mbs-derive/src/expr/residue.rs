@@ -13,8 +13,8 @@
 //! - exponentials are powers of a number of prime order `(p − 1)/2`, modulo which exponents are formed as angles are:
 //!   `exp(a + b)` is `exp(a) exp(b)`. An exponent with roots or functions in it is equal to another where its value is,
 //!   and `exp(−x) = 1/exp(x)`. Hyperbolic functions are made of exponentials;
-//! - every other function is opaque: equal where its arguments are, odd where it is odd. So are roots and functions
-//!   inside angles;
+//! - every other function is opaque: equal where its arguments are, odd where it is odd, `atan2(y, x)` in y where that
+//!   is not zero throughout. So are roots and functions inside angles;
 //! - which of two different numbers is the smaller one is decided by a coin, and the other way round for the negatives
 //!   of both.
 //!
@@ -124,6 +124,15 @@ impl<const K: usize> Residue<K> {
         let (size, negative) = Prime::<K>::sign(self.value);
         let value = if size == 0 { 1 } else { mixed(size ^ 0x6578_7000) % (Self::P - 1) + 1 };
         if negative { Prime::<K>::inverted(value) } else { value }
+    }
+
+    /// `atan2(0, self)`: 0 or π, by a sign that only numbers have in a field.
+    fn on_axis(self) -> Self {
+        match self.rational {
+            Some(ratio) if ratio.numerator < 0 => Self::number(Number::PI),
+            Some(_) => Self::rational(Ratio::ZERO),
+            None => Self::opaque(Prime::<K>::any(0x6178_6973, self.value)),
+        }
     }
 
     fn size(self) -> Self {
@@ -293,6 +302,7 @@ impl<const K: usize> Value for Residue<K> {
             return Self::NOT_DEFINED;
         }
         match function {
+            Binary::Atan2 if self.is_zero() => other.on_axis(),
             Binary::Atan2 => Self::opaque(Prime::<K>::odd(mixed(other.value), self.value)),
             Binary::Powf => match other.rational.and_then(|n| n.times(Ratio::TWO)).and_then(Ratio::integer) {
                 Some(halves @ -1000..=1000) => self.power(halves as i32),

@@ -100,6 +100,19 @@ fn other_functions_are_equal_where_their_arguments_are() {
 }
 
 #[test]
+fn an_angle_of_a_point_on_the_axis_is_no_zero() {
+    let atan2 = |y: Residue, x: Residue| y.call2(Binary::Atan2, x);
+    let zero = number(0, 1);
+    for [x, y, _] in points() {
+        equal(atan2(y.neg(), x), atan2(y, x).neg());
+        assert!(atan2(y.sub(y), x).is_defined() && !atan2(y.sub(y), x).is_zero());
+        assert_ne!(atan2(zero, x).value, atan2(zero, x.neg()).value);
+    }
+    equal(atan2(zero, number(1, 3)), zero);
+    equal(atan2(zero, number(-1, 3)), Residue::pi());
+}
+
+#[test]
 fn tables_are_functions_without_a_law() {
     let table = Spline::new(vec![0.0], vec![vec![0.0, 2.0, 3.0], vec![0.0, 2.0, 6.0]]);
     for [x, y, _] in points() {

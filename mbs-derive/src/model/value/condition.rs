@@ -357,6 +357,8 @@ mod tests {
         same(table, "[max(left, right), abs(right - left)]", "[right, right - left]");
         same(table, "if table(0*x, s, h) > 0 { x } else { y }", "x");
         same(table, "signum(table(x, s, h) + table(-x, s, h))", "1");
+        same("", "if atan2(x - x, y) <= 0 { x } else { y }", "y");
+        same("", "abs(atan2(0*x, y))", "pi");
         // What is not a number on the other side does not matter.
         same("", "if y > 0 { sqrt(y) } else { 2*sqrt(-y) }", "2*sqrt(-y)");
         same("", "dt(if y > 0 { sqrt(y) } else { 2*sqrt(-y) })", "dt(2*sqrt(-y))");
