@@ -299,6 +299,17 @@ fn what_rounding_decides_is_no_disagreement() {
     }
 }
 
+/// `x^n` of a parameter n that is an integer has a value and derivatives where x is negative.
+#[test]
+fn powers_of_negative_numbers_are_proved() {
+    let line = "param n: 1 = 2; coord x: 1; kinetic += dt(x)^2/2;";
+    for body in
+        ["potential += (-1 - x^2)^n;", "potential += (-1 - x^2)^(2*n + 1) + x^n;", "kinetic += (-1 - x^2)^n*dt(x)^2/2;"]
+    {
+        assert_eq!(dimensionless(&format!("{line} {body}")), ["energy_integral"], "{body}");
+    }
+}
+
 /// Slopes at zero that duals take for 0 · ∞.
 #[test]
 fn powers_that_are_not_whole_have_rates_at_zero() {

@@ -90,6 +90,11 @@ impl<S: Value> Value for Dual<S> {
         };
         Dual::new(a.call2(function, b), derivative)
     }
+    fn raised_to(self, exponent: Self) -> Self {
+        let (a, b) = (self.value, exponent.value);
+        let slope = b.mul(a.raised_to(b.sub(S::constant(1.0))));
+        Dual::new(a.raised_to(b), slope.mul(self.derivative))
+    }
     fn spline(self, spline: &Spline, order: usize) -> Self {
         Dual::new(self.value.spline(spline, order), self.value.spline(spline, order + 1).mul(self.derivative))
     }

@@ -59,6 +59,10 @@ pub trait Value: Copy {
     }
     /// `f(a, b)`
     fn call2(self, function: Binary, other: Self) -> Self;
+    /// `a^b` where b does not change, so that there are derivatives where a is negative.
+    fn raised_to(self, exponent: Self) -> Self {
+        self.call2(Binary::Powf, exponent)
+    }
     /// A derivative of a spline at a.
     fn spline(self, spline: &Spline, order: usize) -> Self {
         spline.derivative(self, order)
@@ -260,6 +264,8 @@ pub struct Tape {
     splines: Vec<Rc<Spline>>,
     roots: Vec<usize>,
     strict: bool,
+    /// Of each step whether it is known not to change; of none on most tapes.
+    fixed: Vec<bool>,
 }
 
 impl Tape {
@@ -307,7 +313,8 @@ impl Tape {
         });
         let steps = steps.collect();
         let splines = graph.splines();
-        Tape { steps, splines, roots: roots.iter().map(|root| at(root.id()).index()).collect(), strict: false }
+        let roots = roots.iter().map(|root| at(root.id()).index()).collect();
+        Tape { steps, splines, roots, strict: false, fixed: Vec::new() }
     }
 
     /// A tape on which nothing hides that a value is undefined: what is decided by a comparison with NaN is NaN, a
@@ -318,6 +325,20 @@ impl Tape {
     /// Branches not taken do not count, nor does an operand of `&&` and `||` where the other one decides.
     pub fn strict(roots: &[Expr<'_>]) -> Self {
         Tape { strict: true, ..Tape::new(roots) }
+    }
+
+    /// A strict tape on which parameters do not change, as along motions: `x^n` has derivatives where x is negative and
+    /// the parameter n an integer.
+    pub(crate) fn of_motions(roots: &[Expr<'_>]) -> Self {
+        let tape = Tape::strict(roots);
+        let mut fixed: Vec<bool> = Vec::with_capacity(tape.steps.len());
+        for step in &tape.steps {
+            fixed.push(match step {
+                Node::Symbol(symbol) => matches!(symbol, Symbol::Parameter(_)),
+                step => step.operands().all(|operand| fixed[operand.index()]),
+            });
+        }
+        Tape { fixed, ..tape }
     }
 
     /// The steps, whose operands are positions among them.
@@ -411,6 +432,11 @@ impl Tape {
             && let Some(value) = strictly(step, &v)
         {
             return value;
+        }
+        if let Node::Call2(Binary::Powf, a, b) = *step
+            && self.fixed.get(b.index()) == Some(&true)
+        {
+            return v(a).raised_to(v(b));
         }
         let spline = |d: SplineDerivative, a: V| a.spline(&self.splines[d.spline as usize], d.order as usize);
         value_of(step, v, point, spline, |holds| decide(at, holds))
@@ -519,6 +545,25 @@ mod tests {
         let value = Tape::strict(&[root]).run(|_| Dual::new(Dual::new(-1.0, 1.0), Dual::new(1.0, 0.0)))[0];
         let all = [value.value.value, value.value.derivative, value.derivative.value, value.derivative.derivative];
         assert!(all.iter().all(|v: &f64| v.is_nan()), "{all:?}");
+    }
+
+    /// (−2)³ with its slope 3·(−2)² and the slope of that; there is none in an exponent that moves.
+    #[test]
+    fn powers_of_negative_numbers_have_derivatives_where_the_exponent_is_fixed() {
+        use crate::expr::Dual;
+        let graph = Graph::verbatim();
+        let [x, n] = [Symbol::Coordinate(0), Symbol::Parameter(0)].map(|symbol| graph.symbol(symbol));
+        let at = |exponent| {
+            let point = |symbol| match symbol {
+                Symbol::Parameter(_) => Dual::fixed(Dual::fixed(2.0)),
+                _ => Dual::new(Dual::new(-2.0, 1.0), Dual::new(1.0, 0.0)),
+            };
+            Tape::of_motions(&[x.call2(Binary::Powf, exponent)]).run(point)[0]
+        };
+        let cube = at(n + graph.integer(1));
+        assert_eq!(cube, Dual::new(Dual::new(-8.0, 12.0), Dual::new(12.0, -12.0)));
+        let moving: Dual<Dual<f64>> = at(n + x * graph.integer(0));
+        assert!(moving.value.value == 4.0 && moving.derivative.value.is_nan());
     }
 
     #[test]

@@ -124,7 +124,8 @@ impl Value for Rounded {
         let value = function.value(a, b);
         let [by_a, by_b] = match function {
             Binary::Atan2 => [b / (a * a + b * b), a / (a * a + b * b)],
-            Binary::Powf => [b * a.powf(b - 1.0), value * a.ln()],
+            // Of the size: a power of a negative number has an integer for its exponent, and is of either sign.
+            Binary::Powf => [b * a.powf(b - 1.0), if value == 0.0 { 0.0 } else { value * a.abs().ln() }],
         };
         Rounded::of(value, 0.0).widened(by_a, self.error).widened(by_b, other.error)
     }
@@ -277,6 +278,14 @@ mod tests {
         let square = x.power(4);
         assert_eq!(square.derivative.derivative.value, 2.0);
         assert!(square.derivative.derivative.error < 1e-14);
+    }
+
+    #[test]
+    fn powers_of_negative_numbers_have_a_bound() {
+        let exponent = Rounded::constant(4.0) - Rounded::constant(1.0);
+        let cube = |x| Rounded::constant(x).call2(Binary::Powf, exponent);
+        assert_eq!((cube(-2.0).value, cube(-2.0).error), (-8.0, cube(2.0).error));
+        assert!(cube(2.0).error < 1e-13 && cube(0.0).error < 1e-13);
     }
 
     #[test]

@@ -63,12 +63,14 @@ impl<'l, 'g> Witness<'l, 'g> {
         });
         Witness {
             lagrangian,
-            energies: Tape::strict(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
-            forces: Tape::strict(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
-            point_forces: Tape::strict(&point_forces),
-            constraints: Tape::strict(&lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>()),
-            outputs: Tape::strict(&outputs),
-            frames: Tape::strict(&frames.collect::<Vec<_>>()),
+            energies: Tape::of_motions(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
+            forces: Tape::of_motions(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
+            point_forces: Tape::of_motions(&point_forces),
+            constraints: Tape::of_motions(
+                &lagrangian.constraints.iter().flat_map(|c| c.rows.clone()).collect::<Vec<_>>(),
+            ),
+            outputs: Tape::of_motions(&outputs),
+            frames: Tape::of_motions(&frames.collect::<Vec<_>>()),
             released: lagrangian.released.as_deref().map(|released| Box::new(Witness::new(released))),
         }
     }
