@@ -299,15 +299,28 @@ fn what_rounding_decides_is_no_disagreement() {
     }
 }
 
-/// `x^n` of a parameter n that is an integer has a value and derivatives where x is negative.
+/// `x^n` of a parameter n that is an integer has a value and derivatives where x is negative, and a sign.
 #[test]
 fn powers_of_negative_numbers_are_proved() {
-    let line = "param n: 1 = 2; coord x: 1; kinetic += dt(x)^2/2;";
-    for body in
-        ["potential += (-1 - x^2)^n;", "potential += (-1 - x^2)^(2*n + 1) + x^n;", "kinetic += (-1 - x^2)^n*dt(x)^2/2;"]
-    {
+    let line = "param n: 1 = 2; param k: 1 = 3; coord x: 1; kinetic += dt(x)^2/2;";
+    for body in [
+        "potential += (-1 - x^2)^n;",
+        "potential += (-1 - x^2)^(2*n + 1) + x^n;",
+        "kinetic += (-1 - x^2)^n*dt(x)^2/2;",
+        "potential += abs(x^k);",
+        "potential += sqrt((x^k)^2 + 1) + sqrt((x^k)^2);",
+    ] {
         assert_eq!(dimensionless(&format!("{line} {body}")), ["energy_integral"], "{body}");
     }
+    let source = format!("#![dimensionless] mechanism Cubic {{ {line} potential += abs(x^k); }}");
+    let graph = Graph::verbatim();
+    let (lagrangian, _) =
+        declared(&source, &graph, &[]).unwrap_or_else(|e| panic!("{}", e.render("case.mbs", &source)));
+    let derivation = derived(&lagrangian);
+    let state = State { q: vec![-0.5], qd: vec![0.0], qdd: vec![0.0], ..State::default() };
+    let call = |kind| Interpreter::new(&derivation).call(kind, &state).expect("generated");
+    let found = [FunctionKind::PotentialEnergy, FunctionKind::ForwardDynamics].map(call);
+    assert_eq!(found, [[0.125], [0.75]]);
 }
 
 /// Slopes at zero that duals take for 0 · ∞.

@@ -26,8 +26,8 @@ impl Range {
             Node::Mul(a, b) => range(a).times(range(b)),
             Node::Power(a, n) => range(a).power(n),
             Node::Call(function, a) => of_call(function, range(a)),
-            Node::Call2(Binary::Powf, ..) => NOT_NEGATIVE,
-            Node::Call2(Binary::Atan2, ..) | Node::Spline(..) => REALS,
+            Node::Call2(Binary::Powf, a, _) if range(a).is_not_negative() => NOT_NEGATIVE,
+            Node::Call2(Binary::Atan2 | Binary::Powf, ..) | Node::Spline(..) => REALS,
             Node::Less(..) | Node::LessEqual(..) | Node::And(..) | Node::Not(_) => REALS,
             Node::Select(_, a, b) => {
                 let (a, b) = (range(a), range(b));
@@ -134,7 +134,9 @@ mod tests {
             assert_eq!(size(-e), e);
             assert_eq!(e.powi(2).sqrt(), e);
         }
-        for e in [x, x * y, x.powi(2) - y.powi(2), m * x.powi(2), 1 - 2 * x.sin(), x.powi(3), 1 - x.powi(2)] {
+        // (−2)³ is −8.
+        let power = x.call2(Binary::Powf, m);
+        for e in [x, x * y, x.powi(2) - y.powi(2), m * x.powi(2), 1 - 2 * x.sin(), x.powi(3), 1 - x.powi(2), power] {
             assert_ne!(size(e), e);
             assert_ne!(e.powi(2).sqrt(), e);
         }
