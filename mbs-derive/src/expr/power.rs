@@ -46,7 +46,8 @@ impl<'g> Expr<'g> {
             }
             // (x^a)^b = x^(a b) holds for an integer b wherever the left side exists.
             (Node::Power(a, inner), halves)
-                if halves % 2 == 0 && i64::from(inner.0) * i64::from(halves) <= 2 * i64::from(LARGEST_EXPONENT) =>
+                if halves % 2 == 0
+                    && (i64::from(inner.0) * i64::from(halves)).abs() <= 2 * i64::from(LARGEST_EXPONENT) =>
             {
                 graph.expr(a).power(HalfInteger(inner.0 * (halves / 2)))
             }
@@ -171,6 +172,17 @@ mod tests {
         let size = x.call(Function::Abs);
         assert_eq!((size * size, size.powi(4)), (x.powi(2), x.powi(4)));
         assert_ne!(x.powi(2).sqrt(), x);
+    }
+
+    #[test]
+    fn powers_of_either_sign_are_gathered_up_to_a_limit() {
+        let graph = Graph::new();
+        let [x, ..] = symbols(&graph);
+        for first in [100, -100] {
+            let power = (0..6).fold((x + 1).powi(first), |power, _| power.powi(100));
+            assert!(matches!(power.node(), Node::Power(_, n) if n.0.abs() <= LARGEST_EXPONENT), "{power}");
+        }
+        assert_eq!((x + 1).powi(-10).powi(10), (x + 1).powi(-100));
     }
 
     #[test]
