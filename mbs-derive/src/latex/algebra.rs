@@ -297,10 +297,7 @@ impl<'g> Algebra<'g> {
             }
             odd |= numerator % 4 != 0;
             let unit = self.graph.constant(Number::rational(numerator / 2, 1)?);
-            half = half
-                + powers.iter().fold(unit, |product, (&id, &halves)| {
-                    product * self.graph.expr(id).power(HalfInteger::halves(halves))
-                });
+            half = half + unit * self.expression(powers);
         }
         Some(Double { function, sine: self.expand(half.sin())?, cosine: self.expand(half.cos())?, is_fourfold: !odd })
     }

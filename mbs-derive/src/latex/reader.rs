@@ -60,6 +60,23 @@ impl Read {
     }
 }
 
+type Named = (&'static str, fn(f64) -> f64);
+
+const FUNCTIONS: [Named; 12] = [
+    ("\\sinh", f64::sinh),
+    ("\\cosh", f64::cosh),
+    ("\\tanh", f64::tanh),
+    ("\\sin", f64::sin),
+    ("\\cos", f64::cos),
+    ("\\tan", f64::tan),
+    ("\\arcsin", f64::asin),
+    ("\\arccos", f64::acos),
+    ("\\arctan", f64::atan),
+    ("\\ln", f64::ln),
+    ("\\operatorname{sgn}", f64::signum),
+    ("\\operatorname{sech}", |x| 1.0 / x.cosh()),
+];
+
 /// Reads what is written, for its value.
 pub(super) struct Reader<'a> {
     pub(super) rest: &'a str,
@@ -167,18 +184,6 @@ impl Reader<'_> {
     }
 
     fn factor(&mut self) -> f64 {
-        type Named = (&'static str, fn(f64) -> f64);
-        const FUNCTIONS: [Named; 9] = [
-            ("\\sinh", f64::sinh),
-            ("\\cosh", f64::cosh),
-            ("\\tanh", f64::tanh),
-            ("\\sin", f64::sin),
-            ("\\cos", f64::cos),
-            ("\\tan", f64::tan),
-            ("\\arctan", f64::atan),
-            ("\\ln", f64::ln),
-            ("\\operatorname{sgn}", f64::signum),
-        ];
         for (name, function) in FUNCTIONS {
             if self.accepts(name) {
                 let exponent = self.exponent();

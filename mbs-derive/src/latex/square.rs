@@ -1,10 +1,10 @@
 //! Squares of sums, `x² + 2 x y + y² = (x + y)²`, and `sin²x + cos²x = 1`.
 
 use crate::expr::normal::combination::{Polynomial, Powers, product_of_powers};
-use crate::expr::{Expr, Function, Graph, HalfInteger, Node, Number};
+use crate::expr::{Expr, Function, Graph, HalfInteger, Id, Node, Number};
 
 use super::algebra::Algebra;
-use super::atom::{Atom, Shape};
+use super::atom::{Atom, Shape, parity};
 use super::layout::sum_text;
 use super::writing::common_powers;
 
@@ -53,9 +53,24 @@ impl<'g> Algebra<'g> {
         Atom { place, parametric, first_coordinate, shape: Shape::Sum(sum_text(&self.terms(base))) }
     }
 
-    fn expression(&self, powers: &Powers) -> Expr<'g> {
-        let factor = |(&id, &halves)| self.graph.expr(id).power(HalfInteger::halves(halves));
+    /// What is written as a product of atoms.
+    pub(super) fn expression(&self, powers: &Powers) -> Expr<'g> {
+        let factor = |(&id, &halves): (&Id, &i32)| match self.atoms[&id].shape {
+            // Its number is that of its root.
+            Shape::Sum(_) => self.graph.expr(id).power(HalfInteger::integer(halves)),
+            _ if self.has_other_sign(id) => (-self.graph.expr(id)).power(HalfInteger::halves(halves)),
+            Shape::Symbol(_) | Shape::Named(..) | Shape::Closed(_) => {
+                self.graph.expr(id).power(HalfInteger::halves(halves))
+            }
+        };
         powers.iter().map(factor).fold(self.graph.integer(1), |product, factor| product * factor)
+    }
+
+    /// Whether it is an odd function whose argument is written with the other sign: `tan(x − y)` for `tan(y − x)`.
+    fn has_other_sign(&self, id: Id) -> bool {
+        let Node::Call(function, argument) = self.graph.node(id) else { return false };
+        let sum = self.sums.get(&argument).cloned().flatten().filter(|_| parity(function) < 0);
+        sum.is_some_and(|sum| self.leading_positive(sum).1)
     }
 }
 

@@ -279,13 +279,30 @@ mechanism Rotor {
 }
 ";
 
+/// Doubled angles that hold powers of sums, and functions whose arguments are written with another sign.
+const HALVES: &str = "\
+mechanism Halves {
+    param m: kg = 1;
+    param k: J = 2;
+    param s: m = 1;
+    param l: m = 3;
+    coord x: m;
+    coord y: m;
+    kinetic += 1/2*m*(dt(x)^2 + dt(y)^2);
+    potential += k*(1 - cos(2*s/(l + x)));
+    potential += k*(1 - cos(2*sqrt(1 + x^2/l^2))) + k*(1 + cos(2*l^2/(x^2 + y^2)));
+    potential += k*x*sin(2*atan((y - x)/s))/s + k*(1 - cos(2*tanh((y - x)/s)))*y/s;
+    potential += k*((x + l)^(-2)*s^2 + 2*y*(x + l)^(-1) + y^2/s^2);
+}
+";
+
 #[test]
 fn what_is_written_is_what_was_derived() {
     let verbatim = Graph::verbatim();
     for l in [double_pendulum(&verbatim), cart_pole(&verbatim), spherical_pendulum(&verbatim), contrived(&verbatim)] {
         check_values(&l);
     }
-    for source in [PIECEWISE, ROTOR] {
+    for source in [PIECEWISE, ROTOR, HALVES] {
         let verbatim = Graph::verbatim();
         let (lagrangian, _) =
             crate::declared(source, &verbatim, &[]).unwrap_or_else(|errors| panic!("{}", errors.render("", source)));
