@@ -261,6 +261,7 @@ impl<'g> Algebra<'g> {
                 (Kind::Trigonometric, format!("{length:4} {argument} {name}"))
             }
             Shape::Symbol(name) if name.starts_with(['s', 'c']) => (Kind::Trigonometric, format!("{:4} {name}", "")),
+            shape if shape.is_open() => (Kind::Trigonometric, shape.inside()),
             _ if parametric => (Kind::ParametricFunction, shape.inside()),
             _ => (Kind::Function, shape.inside()),
         };

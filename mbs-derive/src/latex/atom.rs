@@ -23,7 +23,7 @@ pub(super) enum Kind {
     Input,
     Time,
     Function,
-    /// Last, because it takes everything that follows for its argument.
+    /// Last, because it takes everything that follows for its argument; so do logarithms and what else has no brackets.
     Trigonometric,
 }
 
@@ -77,6 +77,16 @@ impl Shape {
             (Shape::Named(..) | Shape::Closed(_) | Shape::Sum(_), Some(exponent)) => {
                 format!("{}{exponent}", bracketed(&self.inside()))
             }
+        }
+    }
+
+    /// Whether it takes everything that follows for its argument.
+    pub(super) fn is_open(&self) -> bool {
+        const OPEN: [&str; 5] = ["\\arcsin", "\\arccos", "\\arctan", "\\ln", "\\operatorname{sgn}"];
+        match self {
+            Shape::Named(..) => true,
+            Shape::Closed(text) => OPEN.iter().any(|name| text.starts_with(name)),
+            Shape::Symbol(_) | Shape::Sum(_) => false,
         }
     }
 

@@ -62,6 +62,7 @@ impl Read {
 
 type Named = (&'static str, fn(f64) -> f64);
 
+/// Written without brackets: they take everything that follows for their arguments, up to the next one.
 const FUNCTIONS: [Named; 12] = [
     ("\\sinh", f64::sinh),
     ("\\cosh", f64::cosh),
@@ -187,7 +188,11 @@ impl Reader<'_> {
         for (name, function) in FUNCTIONS {
             if self.accepts(name) {
                 let exponent = self.exponent();
-                return function(self.factor()).powf(exponent);
+                let value = function(self.factor()).powf(exponent);
+                let mut next = FUNCTIONS.iter().map(|(name, _)| *name).chain(["(", "\\left("]);
+                let is_last = self.ends() || next.any(|next| self.rest.starts_with(next));
+                assert!(is_last, "{name} is of {}, too", self.rest);
+                return value;
             }
         }
         if self.accepts("\\begin{cases}") {

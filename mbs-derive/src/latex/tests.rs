@@ -279,6 +279,23 @@ mechanism Rotor {
 }
 ";
 
+/// Functions that are written without brackets, beside other factors.
+const OPEN: &str = "\
+mechanism Open {
+    param m: kg = 1;
+    param k: J = 2;
+    param a: 1 = 3;
+    param b: 1 = 3;
+    param s: m = 1;
+    coord x: m;
+    coord y: m;
+    kinetic += 1/2*m*(dt(x)^2 + dt(y)^2);
+    potential += k*ln(a)*x/s + k*atan(x/s)*sin(y/s) + k*(x/s)^a*ln(a) + k*ln(a)*ln(b)*(x/s)^b;
+    potential += k*signum(x)*y/s + k*asin(x/s)*acos(y/s)*x*y/s^2 + k*ln(x/s)*(x + y)/s + k*ln(x/s)^2*y/s;
+    potential += k*exp(-y/s)*ln(b)/(x*ln(a))*s;
+}
+";
+
 /// Doubled angles that hold powers of sums, and functions whose arguments are written with another sign.
 const HALVES: &str = "\
 mechanism Halves {
@@ -302,7 +319,7 @@ fn what_is_written_is_what_was_derived() {
     for l in [double_pendulum(&verbatim), cart_pole(&verbatim), spherical_pendulum(&verbatim), contrived(&verbatim)] {
         check_values(&l);
     }
-    for source in [PIECEWISE, ROTOR, HALVES] {
+    for source in [PIECEWISE, ROTOR, HALVES, OPEN] {
         let verbatim = Graph::verbatim();
         let (lagrangian, _) =
             crate::declared(source, &verbatim, &[]).unwrap_or_else(|errors| panic!("{}", errors.render("", source)));
