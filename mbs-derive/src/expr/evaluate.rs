@@ -341,6 +341,16 @@ impl Tape {
         Tape { fixed, ..tape }
     }
 
+    /// With other functions at some steps.
+    pub(super) fn with_calls(mut self, other: impl Fn(usize, Function) -> Function) -> Self {
+        for (at, step) in self.steps.iter_mut().enumerate() {
+            if let Node::Call(function, _) = step {
+                *function = other(at, *function);
+            }
+        }
+        self
+    }
+
     /// The steps, whose operands are positions among them.
     pub(crate) fn steps(&self) -> &[Node] {
         &self.steps
@@ -519,7 +529,7 @@ pub(crate) fn evaluate<V: Value>(roots: &[Expr<'_>], point: impl Fn(Symbol) -> V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::expr::Graph;
+    use crate::expr::{Dual, Graph};
 
     /// The value of an expression in x, on a strict tape.
     fn strict(x: f64, build: impl for<'g> Fn(&'g Graph, Expr<'g>) -> Expr<'g>) -> f64 {
@@ -538,7 +548,6 @@ mod tests {
     /// Not only the value: a constant NaN would be a value that does not change.
     #[test]
     fn what_is_undefined_has_no_derivative() {
-        use crate::expr::Dual;
         let graph = Graph::verbatim();
         let x = graph.symbol(Symbol::Time);
         let root = graph.select(x.sqrt().less(x), x, graph.integer(0));
@@ -550,7 +559,6 @@ mod tests {
     /// (−2)³ with its slope 3·(−2)² and the slope of that; there is none in an exponent that moves.
     #[test]
     fn powers_of_negative_numbers_have_derivatives_where_the_exponent_is_fixed() {
-        use crate::expr::Dual;
         let graph = Graph::verbatim();
         let [x, n] = [Symbol::Coordinate(0), Symbol::Parameter(0)].map(|symbol| graph.symbol(symbol));
         let at = |exponent| {
@@ -560,8 +568,7 @@ mod tests {
             };
             Tape::of_motions(&[x.call2(Binary::Powf, exponent)]).run(point)[0]
         };
-        let cube = at(n + graph.integer(1));
-        assert_eq!(cube, Dual::new(Dual::new(-8.0, 12.0), Dual::new(12.0, -12.0)));
+        assert_eq!(at(n + graph.integer(1)), Dual::new(Dual::new(-8.0, 12.0), Dual::new(12.0, -12.0)));
         let moving: Dual<Dual<f64>> = at(n + x * graph.integer(0));
         assert!(moving.value.value == 4.0 && moving.derivative.value.is_nan());
     }

@@ -36,7 +36,7 @@ pub(crate) fn vanishes(expr: Expr<'_>) -> Verdict {
 }
 
 /// Whether an expression is a polynomial of at most this degree in the symbols that vary, the same one on all sides of
-/// a condition that depends on them. Of degree 0 is what does not depend on them.
+/// a condition that depends on them, and where they are zero. Of degree 0 is what does not depend on them.
 pub(crate) fn degree_is_at_most(degree: usize, expr: Expr<'_>, varies: impl Fn(Symbol) -> bool) -> Verdict {
     Test::new(expr, &varies).decide(degree + 1)
 }
@@ -74,6 +74,11 @@ impl<'a> Test<'a> {
     fn new(expr: Expr<'_>, varies: &'a dyn Fn(Symbol) -> bool) -> Self {
         let tape = Tape::strict(&[expr]);
         let varying = varying(&tape, varies);
+        // At zero it is 0, and its square no 1: a function without that law stands for it.
+        let tape = tape.with_calls(|at, function| match function {
+            Function::Signum if varying[at] => Function::Atan,
+            other => other,
+        });
         let all = !tape.steps().iter().any(|step| matches!(step, Node::Symbol(s) if varies(*s)));
         let moving = self::varying(&tape, &|_| true);
         let any = |is_meant: &dyn Fn(usize, Chance) -> bool| {
@@ -350,6 +355,10 @@ mod tests {
         assert_eq!(degree(|s| s.v * s.v.call(Function::Abs)), None);
         assert_eq!(degree(|s| s.v.call(Function::Signum) * s.v.powi(2)), None);
         assert_eq!(degree(|s| s.v.powi(2).sqrt() * s.w), None);
+        // signum(v)² is 0 at rest.
+        assert_eq!(degree(|s| s.v.call(Function::Signum).powi(2) * s.v.powi(2)), None);
+        assert_eq!(degree(|s| s.v * s.v.call(Function::Abs) * s.v.call(Function::Signum)), None);
+        assert_eq!(degree(|s| s.x.call(Function::Signum).powi(2) * s.v.powi(2)), Some(2));
         let [zero, two] = [0, 2];
         assert_eq!(degree(|s| s.graph.select(s.v.less(s.graph.integer(zero)), s.v, two * s.v)), None);
         // max(v, 0)² + min(v, 0)² = v²
