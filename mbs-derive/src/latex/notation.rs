@@ -22,7 +22,7 @@ pub(super) struct Notation {
 
 impl Notation {
     pub(super) fn of(lagrangian: &Lagrangian<'_>) -> Self {
-        let mut taken: BTreeSet<String> = ["t".to_string()].into();
+        let mut taken = names_of_the_page(lagrangian);
         let mut names = |variables: &[Variable]| -> Vec<Name> {
             let pairs = variables.iter().flat_map(|v| v.component_names().into_iter().zip(counted_from_1(v)));
             pairs.map(|(declared, counted)| Name { declared, ..Name::unlike(&mut taken, &counted) }).collect()
@@ -92,6 +92,15 @@ impl Notation {
     }
 }
 
+/// What a page calls its energies and multipliers, and the base of exponentials.
+fn names_of_the_page(lagrangian: &Lagrangian<'_>) -> BTreeSet<String> {
+    let always = ["t", "T", "V", "E", "e"];
+    let dissipation = (!lagrangian.dissipation.is_empty()).then_some("D");
+    let others = (!lagrangian.lagrangian.is_empty()).then_some("L");
+    let multipliers = (1..=lagrangian.holonomic_rows().len()).map(|i| subscripted("\\lambda", &i.to_string()));
+    always.into_iter().chain(dissipation).chain(others).map(str::to_string).chain(multipliers).collect()
+}
+
 /// `x`, or `q_1`, `q_2`, …; of a matrix `a_1_1`, `a_1_2`, …, row by row.
 fn counted_from_1(variable: &Variable) -> Vec<String> {
     let Variable { name, length, columns, .. } = variable;
@@ -151,10 +160,10 @@ impl Name {
         Name { declared: declared.to_string(), stem, subscript: subscripts.join(",") }
     }
 
-    /// A name that looks like none of those taken: `m1` beside `m_1` is written out.
+    /// A name that looks like none of those taken: `m1` beside `m_1` is written out, a letter gets a tilde.
     pub(super) fn unlike(taken: &mut BTreeSet<String>, declared: &str) -> Self {
         let mut name = Name::new(declared);
-        if taken.contains(&name.text()) {
+        if taken.contains(&name.text()) && declared.len() > 1 {
             let stem = format!("\\mathrm{{{}}}", declared.replace('_', "\\_"));
             name = Name { declared: declared.to_string(), stem, subscript: String::new() };
         }

@@ -240,6 +240,41 @@ fn braces_and_brackets_are_balanced() {
     }
 }
 
+/// Tension, Young's modulus, voltage and what else is called as something on the page.
+#[test]
+fn what_the_page_calls_its_own_has_no_other_meaning() {
+    const SOURCE: &str = "\
+mechanism Named {
+    param m: kg = 1;
+    param e: 1/m = 1;
+    param E: J = 1;
+    param T: N = 1;
+    param V: J/rad = 1;
+    param D: m = 1;
+    param L: m = 1;
+    param lambda_1: N = 1;
+    coord x: m;
+    coord theta: rad;
+    kinetic += 1/2*m*dt(x)^2 + 1/2*m*L^2*dt(theta)^2;
+    potential += E*exp(-e*x) + T*x + lambda_1*x + V*theta;
+    constraint rope: x = D*theta;
+}
+";
+    let verbatim = Graph::verbatim();
+    let (lagrangian, _) =
+        crate::declared(SOURCE, &verbatim, &[]).unwrap_or_else(|errors| panic!("{}", errors.render("", SOURCE)));
+    let text = output(&lagrangian);
+    for expected in [
+        r"  T &= \frac{1}{2} m \dot{x}^2 + \frac{1}{2} m L^2 \dot{\theta}^2 \\",
+        r"  V &= (\tilde{T} + \mathrm{lambda\_1}) x + \tilde{V} \theta + \tilde{E} e^{-\tilde{e} x}",
+        r"\varphi_1 &= x - D \theta = 0",
+        r"= \lambda_1",
+        r"  E &= ",
+    ] {
+        assert!(text.contains(expected), "{expected} is not in {text}");
+    }
+}
+
 /// Branches with all connectives, a prescribed motion, squares of sums, time, and constraints of both kinds.
 const PIECEWISE: &str = "\
 mechanism Piecewise {
