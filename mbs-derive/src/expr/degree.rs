@@ -48,7 +48,8 @@ struct Factors {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Factor {
     key: u64,
-    exponent: i32,
+    /// An integer, of powers of powers a large one.
+    exponent: f64,
     plain: f64,
     angle: f64,
 }
@@ -144,12 +145,12 @@ impl Degree {
         let mut reciprocal = Degree {
             plain: Quotient::polynomial(f64::from(n) * self.plain.denominator),
             angle: Quotient::polynomial(f64::from(n) * self.angle.denominator),
-            factors: self.factors.raised(-n),
+            factors: self.factors.raised(f64::from(-n)),
             form,
             ..self
         };
         if plain > 0.0 || angle > 0.0 {
-            reciprocal.put(Factor { key: self.key, exponent: n, plain, angle });
+            reciprocal.put(Factor { key: self.key, exponent: f64::from(n), plain, angle });
         }
         reciprocal.with_key(n as u64, self)
     }
@@ -259,9 +260,9 @@ impl Quotient {
     }
 
     /// With more powers of a polynomial in the denominator.
-    fn multiply(&mut self, exponent: i32, degree: f64) {
-        let side = if exponent > 0 { &mut self.denominator } else { &mut self.numerator };
-        *side += f64::from(exponent.abs()) * degree;
+    fn multiply(&mut self, exponent: f64, degree: f64) {
+        let side = if exponent > 0.0 { &mut self.denominator } else { &mut self.numerator };
+        *side += exponent.abs() * degree;
     }
 }
 
@@ -270,8 +271,8 @@ impl Factors {
         self.all.into_iter().take(self.count)
     }
 
-    fn exponent(&self, key: u64) -> i32 {
-        self.iter().find(|factor| factor.key == key).map_or(0, |factor| factor.exponent)
+    fn exponent(&self, key: u64) -> f64 {
+        self.iter().find(|factor| factor.key == key).map_or(0.0, |factor| factor.exponent)
     }
 
     /// Whether there was room for it.
@@ -288,7 +289,7 @@ impl Factors {
         true
     }
 
-    fn raised(mut self, exponent: i32) -> Self {
+    fn raised(mut self, exponent: f64) -> Self {
         self.all.iter_mut().for_each(|factor| factor.exponent *= exponent);
         self
     }
@@ -370,8 +371,8 @@ impl Value for Degree {
         // Over the greater power of each factor.
         let (mut factors, mut rest) = (self.factors, [self, other]);
         for factor in other.factors.iter() {
-            if self.factors.exponent(factor.key) == 0 {
-                let is_put = factors.put(Factor { exponent: 0, ..factor });
+            if self.factors.exponent(factor.key) == 0.0 {
+                let is_put = factors.put(Factor { exponent: 0.0, ..factor });
                 if !is_put {
                     rest[1].plain.multiply(factor.exponent, factor.plain);
                     rest[1].angle.multiply(factor.exponent, factor.angle);
@@ -383,8 +384,8 @@ impl Value for Degree {
             let exponents = [self, other].map(|number| number.factors.exponent(factor.key));
             factor.exponent = exponents[0].max(exponents[1]);
             for (number, exponent) in rest.iter_mut().zip(exponents) {
-                number.plain.numerator += f64::from(factor.exponent - exponent) * factor.plain;
-                number.angle.numerator += f64::from(factor.exponent - exponent) * factor.angle;
+                number.plain.numerator += (factor.exponent - exponent) * factor.plain;
+                number.angle.numerator += (factor.exponent - exponent) * factor.angle;
             }
         }
         let sum = rest[0].with(rest[1], Quotient::plus, form);
@@ -439,7 +440,7 @@ impl Value for Degree {
         let power = Degree {
             plain: base.plain.raised(exponent),
             angle: base.angle.raised(exponent),
-            factors: base.factors.raised(halves / 2),
+            factors: base.factors.raised(f64::from(halves / 2)),
             form,
             ..base
         };

@@ -54,6 +54,12 @@ fn many_denominators_have_an_end() {
 }
 
 #[test]
+fn powers_of_powers_are_of_any_degree() {
+    let large = (0..6).fold(Degree::symbol(1).power(-200), |power, _| power.power(200));
+    assert_eq!(large.total(), 1e14);
+}
+
+#[test]
 fn of_what_is_nan_no_bound_is_known() {
     assert_eq!((larger(1.0, 2.0), larger(f64::NAN, 1.0), larger(1.0, f64::NAN)), (2.0, f64::INFINITY, f64::INFINITY));
     let (all, none) = (Quotient::polynomial(f64::INFINITY), Quotient::polynomial(-f64::INFINITY));
