@@ -91,6 +91,8 @@ impl<'g> Algebra<'g> {
                 for &(b, g, y) in waves[i + 1..].iter().filter(|(_, _, y)| *y != x) {
                     let rest = product_of_powers(powers, &[(a, -2), (b, -2)].into())?;
                     let [x, y] = [x, y].map(|id| self.graph.expr(id));
+                    // The sine that is written is that of the angle with its sign.
+                    let written = |x: Expr<'g>| if self.is_written_negative(x.id()) { -x } else { x };
                     let other = |function: Function, angle: Expr<'g>| match function {
                         Function::Sin => angle.cos().id(),
                         _ => angle.sin().id(),
@@ -106,6 +108,7 @@ impl<'g> Algebra<'g> {
                     if found.is_zero() || !(same || found == -coefficient) {
                         continue;
                     }
+                    let (x, y) = (written(x), written(y));
                     let (angle, sign) = match (f, g, same) {
                         // cc − ss, cc + ss
                         (Function::Cos, Function::Cos, same) => (if same { (x - y).cos() } else { (x + y).cos() }, 1),

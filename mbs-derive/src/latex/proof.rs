@@ -78,9 +78,13 @@ struct Compared {
 }
 
 fn compared(name: &str) -> Option<Compared> {
-    let (source, verbatim, graph) = (source(name)?, Graph::verbatim(), Graph::new());
+    Some(compared_text(&source(name)?))
+}
+
+fn compared_text(source: &str) -> Compared {
+    let (verbatim, graph) = (Graph::verbatim(), Graph::new());
     let (lagrangian, _) =
-        crate::declared(&source, &verbatim, &[]).unwrap_or_else(|e| panic!("{}", e.render("", &source)));
+        crate::declared(source, &verbatim, &[]).unwrap_or_else(|e| panic!("{}", e.render("", source)));
     let routes = routes(&lagrangian, &graph, Default::default());
     let page = composed(&lagrangian, &routes);
     let named = page.algebra.recursion.named.clone();
@@ -128,7 +132,7 @@ fn compared(name: &str) -> Option<Compared> {
         }
         all.entries += outputs(&routes[0], &read, &interpreter, &given);
     }
-    Some(all)
+    all
 }
 
 /// Outputs and their Jacobians, part by part, against the programs.
@@ -187,6 +191,21 @@ fn the_platform_is_what_its_programs_compute() {
 fn the_quadrotor_is_what_its_programs_compute() {
     let Some(compared) = compared("quadrotor_euler") else { return };
     assert_eq!(compared.entries, 36 + 36 + 6 + 6 + 2 + (12 + 36));
+}
+
+/// `sin(q₂ − q₁)` is written as `−sin(q₁ − q₂)`, in sums of angles, too.
+#[test]
+fn differences_of_angles_are_written_with_their_sign() {
+    let text = "#![dimensionless]
+        mechanism Differences {
+            coord q[5]: 1;
+            for i in 0..5 { kinetic += 1/2*dt(q[i])^2; }
+            output a = sin(q[1] - q[0])*cos(q[2]) + cos(q[1] - q[0])*sin(q[2]);
+            output b = sin(q[2])*cos(q[1] - q[0]) - cos(q[2])*sin(q[1] - q[0]);
+            output c = cos(q[2])*cos(q[1] - q[0]) - sin(q[2])*sin(q[1] - q[0]);
+            output d = cos(q[2] + q[3])*cos(q[1] - q[0]) - sin(q[2] + q[3])*sin(q[1] - q[0]);
+        }";
+    assert_eq!(compared_text(text).entries, 25 + 25 + 5 + 5 + 2 + 4 * (1 + 5));
 }
 
 #[test]

@@ -68,8 +68,12 @@ impl<'g> Algebra<'g> {
 
     /// Whether it is an odd function whose argument is written with the other sign: `tan(x − y)` for `tan(y − x)`.
     fn has_other_sign(&self, id: Id) -> bool {
-        let Node::Call(function, argument) = self.graph.node(id) else { return false };
-        let sum = self.sums.get(&argument).cloned().flatten().filter(|_| parity(function) < 0);
+        matches!(self.graph.node(id), Node::Call(f, argument) if parity(f) < 0 && self.is_written_negative(argument))
+    }
+
+    /// Whether it is the negative of an argument that is written in functions.
+    pub(super) fn is_written_negative(&self, argument: Id) -> bool {
+        let sum = self.sums.get(&argument).cloned().flatten();
         sum.is_some_and(|sum| self.leading_positive(sum).1)
     }
 }
