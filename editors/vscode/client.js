@@ -11,8 +11,8 @@ async function start() {
   const server = { command, args: ["lsp"] };
   client = new LanguageClient("mbs", "mbs", server, {
     documentSelector: [{ language: "mbs", scheme: "file" }, { language: "mbs", scheme: "untitled" }],
-    // Tables are imported, too: what is wrong in them is said where they are imported.
-    synchronize: { fileEvents: workspace.createFileSystemWatcher("**/*.{mbs,csv}") },
+    // Tables and robots are imported, too: what is wrong in them is said where they are imported.
+    synchronize: { fileEvents: workspace.createFileSystemWatcher("**/*.{mbs,csv,urdf,sdf,xml}") },
   });
   try {
     await client.start();
