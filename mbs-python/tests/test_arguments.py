@@ -109,6 +109,8 @@ def test_parameters_by_name():
     own.params.update({"g": 1.6}, b=0.25)
     assert dict(own.params) == {"m": 2.0, "l": 0.5, "g": 1.6, "b": 0.25}
     assert own.params.unit("g") == "m/s^2" and len(own.params) == 4
+    assert "g" in own.params and "k" not in own.params and 1 not in own.params
+    assert (own.params.get("g"), own.params.get("k"), own.params.get("k", 5)) == (1.6, None, 5)
     before = dict(own.params)
     wrong = [
         ({"l": -1.0}, "`l` must be positive, it is -1.0"),

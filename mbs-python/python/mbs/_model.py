@@ -150,6 +150,13 @@ class Parameters(Mapping[str, Any]):
             flat[place] = given.astype(float).ravel()
         self._core.set_parameters(flat)
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._variables or name in self._components
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """A parameter, or `default` where there is none of this name."""
+        return self[name] if name in self else default  # noqa: SIM401 - it is get
+
     def unit(self, name: str) -> str:
         """The unit of a parameter."""
         if name not in self._variables:
