@@ -232,6 +232,13 @@ def test_models_travel_to_other_processes():
         assert same_bits(other.mass_matrix([0.3]), own.mass_matrix([0.3]))
 
 
+def test_results_travel_to_other_processes():
+    found = model("double_pendulum").linearize([0.1, 0.2], [0.0, 0.0])
+    for other in [pickle.loads(pickle.dumps(found)), copy.copy(found), copy.deepcopy(found)]:
+        assert type(other) is type(found) and other._fields == found._fields == ("q", "qd", "u")
+        assert all(map(same_bits, other, found))
+
+
 def test_pickled_models_are_those_of_the_texts_of_then(tmp_path):
     (tmp_path / "mass.mbs").write_text("const half = 1/2;")
     (tmp_path / "a.mbs").write_text(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import functools
 import html
 import keyword
 import os
@@ -634,7 +635,7 @@ def _method(number: int, function: dict[str, Any]) -> Callable[..., Any]:
     space: dict[str, Any] = {"_pose": _pose, "_wrench": _wrench}
     [(_, kind, _), *others] = function["results"]
     if others or function["results"][0][0]:
-        space["_result"] = namedtuple(f"{function['name']}_result", [part for part, _, _ in function["results"]])
+        space["_result"] = _named(f"{function['name']}_result", tuple(part for part, _, _ in function["results"]))
         call = f"_result._make({call})" if others else f"_result({call})"
     elif kind in ("pose", "wrench"):
         call = f"_{kind}({call})"
@@ -650,6 +651,21 @@ def _method(number: int, function: dict[str, Any]) -> Callable[..., Any]:
         [function["docs"], "", "Shapes, with any leading axes:", "", *shapes, *result, "", f"It is {how}."]
     )
     return method
+
+
+@functools.cache
+def _named(name: str, fields: tuple[str, ...]) -> type[tuple[Any, ...]]:
+    """The named tuple of a function's results, which is found again by these where it is unpickled."""
+    base: Any = namedtuple(name, fields)  # type: ignore[misc]
+
+    def reduced(self: Any) -> tuple[Any, ...]:
+        return _given, (name, fields, tuple(self))
+
+    return type(name, (base,), {"__slots__": (), "__reduce__": reduced})
+
+
+def _given(name: str, fields: tuple[str, ...], values: tuple[Any, ...]) -> tuple[Any, ...]:
+    return _named(name, fields)(*values)
 
 
 def _shape(kind: str, shape: list[int]) -> str:
