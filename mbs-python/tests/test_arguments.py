@@ -168,6 +168,7 @@ def test_arrays_of_parameters():
     ]:
         with pytest.raises(ValueError, match="read-only"):
             write()
+    assert own.params == own.with_params().params == copy.copy(own.params) != own.with_params(mass=[1, 2, 3]).params
     doubled = held * 2
     doubled[0] = 9
     assert own.params.mass.tolist() == [1, 5, 6] and doubled.tolist() == [9, 10, 12]

@@ -40,6 +40,7 @@ def test_the_period_of_a_pendulum():
     period = 2 * np.pi / np.sqrt(9.81) / a
     motion = own.simulate([1.2], t=3 * period, times=np.array([0.25, 0.5, 1, 3]) * period)
     np.testing.assert_allclose(motion["theta"], [0, -1.2, 1.2, 1.2], atol=1e-8)
+    assert motion == motion != own.simulate([1.2], t=period) and len({motion, motion}) == 1
 
 
 def test_damped_and_driven():

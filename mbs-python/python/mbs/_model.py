@@ -67,9 +67,10 @@ class EventTime(NamedTuple):
     qd: Floats
 
 
-@dataclass(frozen=True, repr=False)
+# Arrays have no one truth by which motions could be equal, and no hash.
+@dataclass(frozen=True, repr=False, eq=False)
 class Trajectory:
-    """A motion: `q[i]` and `qd[i]` at `t[i]`."""
+    """A motion: `q[i]` and `qd[i]` at `t[i]`; it is equal to itself alone."""
 
     t: Floats
     q: Floats
@@ -157,6 +158,12 @@ class Parameters(Mapping[str, Any]):
     def get(self, name: str, default: Any = None) -> Any:
         """A parameter, or `default` where there is none of this name."""
         return self[name] if name in self else default  # noqa: SIM401 - it is get
+
+    def __eq__(self, other: object) -> bool:
+        """Whether names and values are the same, those of arrays entry by entry."""
+        if not isinstance(other, Mapping):
+            return NotImplemented
+        return self.keys() == other.keys() and all(np.array_equal(self[name], other[name]) for name in self)
 
     def unit(self, name: str) -> str:
         """The unit of a parameter."""
