@@ -63,6 +63,16 @@ def test_calls_and_text_are_one_mechanism():
     assert "Angle from straight down." in one.__doc__ and "Mass of the bob." in one.__doc__
 
 
+def test_operators_of_python_are_those_of_the_text():
+    m = mbs.Mechanism("Ball")
+    x = m.coord("x", "m")
+    place = +mbs.vector(x, 0, 0)
+    m.kinetic(mbs.particle(mbs.quantity(2, "kg"), place))
+    m.output("found", abs(x) + mbs.quantity(1, "m") * 2 ** (x / mbs.quantity(1, "m")))
+    own = mbs.compile(m)
+    assert own.found([-2.0]) == 2.25 and own.mass_matrix([0.0]) == 2.0
+
+
 def test_a_mechanism_can_be_compiled_twice_and_go_on():
     m = pendulum()
     first, again = mbs.compile(m), mbs.compile(m)

@@ -79,6 +79,12 @@ class Scalar(_Value):
     def __pow__(self, exponent: Scalar | float) -> Scalar:
         return Scalar("pow", [self, _scalar(exponent)])
 
+    def __rpow__(self, base: float) -> Scalar:
+        return Scalar("pow", [_scalar(base), self])
+
+    def __abs__(self) -> Scalar:
+        return Scalar("abs", [self])
+
     def __neg__(self) -> Scalar:
         return Scalar("neg", [self])
 
@@ -118,6 +124,9 @@ class Vector(_Value):
 
     def __neg__(self) -> Vector:
         return Vector("neg", [self])
+
+    def __pos__(self) -> Vector:
+        return self
 
     @property
     def x(self) -> Scalar:
