@@ -170,8 +170,14 @@ impl Run<'_> {
             Failure::of_motion(message, t, &moving.q, &moving.qd)
         })?;
         if summary.stopped {
-            let last = self.row(summary.time, &moving);
-            rows.extend(last.map_err(|error| Failure::of_motion(error, summary.time, &moving.q, &moving.qd))?);
+            let refused = |error| Failure::of_motion(error, summary.time, &moving.q, &moving.qd);
+            let last = self.row(summary.time, &moving).map_err(refused)?;
+            // A row that is due at the same time is this one, before the event's action.
+            let width = last.len();
+            if rows[rows.len() - width] == summary.time {
+                rows.truncate(rows.len() - width);
+            }
+            rows.extend(last);
         }
         let summary = json!({
             "time": summary.time,

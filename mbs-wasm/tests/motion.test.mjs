@@ -107,6 +107,11 @@ test("a ball bounces where it should", () => {
   assert.ok(Math.abs(motion.columns.z.at(-1) - (1.25 * t - 5 * t * t)) < 1e-10);
   const stopped = ball.simulate({ q: [5], t_end: 9, events: [{ of: "z", stop: true }] });
   assert.ok(stopped.summary.stopped && Math.abs(stopped.t.at(-1) - 1) < 1e-12);
+  // Where a row is due at the event, it stands there once.
+  const even = mbs.compile("mechanism Even { coord x: m; kinetic += 1 kg*dt(x)^2/2; }");
+  const met = [{ of: "x", value: 0.5, stop: true, multiply: { x_dot: -1 } }];
+  const hit = even.simulate({ q: [0], qd: [1], t_end: 1, dt: 0.25, method: "rk4", events: met });
+  assert.deepEqual([[...hit.t], [...hit.columns.x_dot], hit.summary.rows], [[0, 0.25, 0.5], [1, 1, -1], 3]);
 });
 
 test("inputs are numbers, tables, or functions", () => {
