@@ -70,6 +70,13 @@ test("imports are among the files, or the report says so", () => {
   assert.throws(() => mbs.compile(importing, { name, files: wrong }), (error) => error.diagnostics[0].file === "shared/g.mbs");
 });
 
+test("robots are imported", () => {
+  const blocks = readFileSync(join(repository, "docs/import.md"), "utf8").split("```");
+  const block = (fence) => blocks.find((block) => block.startsWith(fence)).slice(fence.length);
+  const model = mbs.compile(block("mbs held_crane.mbs"), { files: { "crane.urdf": block("xml crane.urdf") } });
+  assert.deepEqual(model.coordinateNames, ["luff"]);
+});
+
 test("arguments of compile", () => {
   assert.throws(() => mbs.compile(3), isInput(/^text: .* found 3$/));
   assert.throws(() => mbs.compile("", { name: null }), isInput(/^name/));
