@@ -8,8 +8,8 @@ export type Vector = Numbers | Record<string, number | Numbers | readonly Number
 export interface State {
   /** Time in s; 0 if not given. */
   t?: number;
-  /** Coordinates. */
-  q?: Vector;
+  /** Coordinates; they alone have no value where they are not given. */
+  q: Vector;
   /** Velocities; zero if not given, as accelerations and inputs are. */
   qd?: Vector;
   qdd?: Vector;
@@ -200,7 +200,7 @@ export interface Model {
   rust(): string;
   latex(): string;
   ops(): Record<string, Operations>;
-  evaluate(name: string, state?: State): Part | Record<string, Part>;
+  evaluate(name: string, state: State): Part | Record<string, Part>;
   linearize(state: State): Linearization;
   simulate(options: Simulation): Motion;
   free(): void;
