@@ -303,11 +303,13 @@ function choose(tab) {
 async function open(chosen) {
   example = chosen;
   const answer = await fetch(new URL(chosen.file, folder));
+  const text = await answer.text();
+  if (example !== chosen) return; // another one was chosen meanwhile
   if (!answer.ok) {
     showReport([], `<p class="error">${escape(chosen.file)}: ${answer.status}; serve the repository's folder, so that models/ is there</p>`);
     return;
   }
-  $("text").value = await answer.text();
+  $("text").value = text;
   files = {};
   values = null;
   $("t_end").value = chosen.t_end;

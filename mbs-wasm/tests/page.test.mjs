@@ -55,6 +55,23 @@ test("it derives, proves and moves", { skip }, () =>
     await window.until(`document.getElementById("energy").textContent !== ${JSON.stringify(energy)}`);
   }));
 
+test("of two examples that are chosen in a row the second is shown", { skip }, () =>
+  opened("", async (window) => {
+    // The first answer comes last.
+    await window.evaluate(`(() => {
+      const [answered, waits] = [fetch, [300, 0]];
+      globalThis.fetch = async (address) => {
+        await new Promise((resolve) => setTimeout(resolve, waits.shift()));
+        return answered(address);
+      };
+      const menu = document.getElementById("examples");
+      for (menu.value of ["1", "2"]) menu.dispatchEvent(new Event("change"));
+    })()`);
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    const shown = await window.evaluate('document.getElementById("text").value');
+    assert.equal(shown, mechanism(`models/mechanisms/${examples[2].file}`).text);
+  }));
+
 test("equations are typeset", { skip }, () =>
   opened("?tab=equations&example=four_bar.mbs", async (window) => {
     await window.until('document.querySelectorAll("#equations math").length > 30');
