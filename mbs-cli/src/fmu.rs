@@ -56,9 +56,10 @@ pub(crate) struct Arguments {
     /// Relative tolerance of co-simulation where the environment gives none; the absolute one is a hundredth of it.
     #[arg(long, default_value_t = 1e-10, value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
-    /// The C compiler.
-    #[arg(long, value_name = "COMMAND", default_value = "cc", conflicts_with = "sources_only")]
-    compiler: String,
+    /// The C compiler, which arguments may follow; what the variables MBS_CC or CC name, or else cc, gcc or clang, if
+    /// not given.
+    #[arg(long, value_name = "COMMAND", conflicts_with = "sources_only")]
+    compiler: Option<String>,
     /// Compile nothing: the environment will.
     #[arg(long)]
     sources_only: bool,
@@ -169,7 +170,7 @@ fn packed(
     }
     let library = match arguments.sources_only {
         true => None,
-        false => binary::compiled(&arguments.compiler, arguments.fmi, &texts, main, &interface.prefix)?,
+        false => binary::compiled(arguments.compiler.as_deref(), arguments.fmi, &texts, main, &interface.prefix)?,
     };
     let mut entries = vec![("modelDescription.xml".to_string(), description.written(&token).into_bytes())];
     entries.extend(library);

@@ -57,6 +57,16 @@ impl Compilers {
         self.ready().map(|(path, _)| path).collect()
     }
 
+    /// Those that are there, each to be called with more arguments.
+    pub fn commands(&self) -> Vec<Command> {
+        let command = |(path, arguments): (PathBuf, &[OsString])| {
+            let mut command = Command::new(path);
+            command.args(arguments);
+            command
+        };
+        self.ready().map(command).collect()
+    }
+
     /// Those that are there, with their arguments.
     fn ready(&self) -> impl Iterator<Item = (PathBuf, &[OsString])> {
         let path = env::var_os("PATH");

@@ -1,6 +1,6 @@
 //! The shared library of an FMU, by the system's C compiler.
 
-use std::process::Command;
+use mbs_native::Compilers;
 
 use super::Fmi;
 use crate::failure::Failure;
@@ -24,9 +24,9 @@ fn platform(fmi: Fmi) -> Option<&'static str> {
 /// standard error says.
 ///
 /// # Errors
-/// The compiler is there and fails.
+/// The compiler that was named is not there, or the compiler fails.
 pub(super) fn compiled(
-    compiler: &str,
+    compiler: Option<&str>,
     fmi: Fmi,
     sources: &[(String, String)],
     main: &str,
@@ -40,20 +40,24 @@ pub(super) fn compiled(
         return without("libraries are compiled on Linux alone");
     };
     let cannot = |error: &dyn std::fmt::Display| Failure::new(format_args!("cannot compile the FMU: {error}"));
+    let compilers = compiler.map_or_else(Compilers::of_environment, Compilers::named);
+    let Some(mut command) = compilers.commands().into_iter().next() else {
+        return match compiler {
+            Some(name) => Err(cannot(&format_args!("there is no C compiler `{name}`"))),
+            None => without("there is no C compiler"),
+        };
+    };
     let folder = tempfile::tempdir().map_err(|error| cannot(&error))?;
     for (name, text) in sources {
         std::fs::write(folder.path().join(name), text).map_err(|error| cannot(&error))?;
     }
     let library = format!("{identifier}.so");
-    let mut command = Command::new(compiler);
     command.args(OPTIONS).args(["-o", &library, main, "-lm"]).current_dir(folder.path());
-    let output = match command.output() {
-        Ok(output) => output,
-        Err(_) => return without(&format!("there is no C compiler `{compiler}`")),
-    };
+    let output = command.output().map_err(|error| cannot(&error))?;
     if !output.status.success() {
         let report = String::from_utf8_lossy(&output.stderr);
-        return Err(cannot(&format_args!("`{compiler}` fails: {}", report.lines().next().unwrap_or_default())));
+        let (program, line) = (command.get_program().display(), report.lines().next().unwrap_or_default());
+        return Err(cannot(&format_args!("`{program}` fails: {line}")));
     }
     let bytes = std::fs::read(folder.path().join(&library)).map_err(|error| cannot(&error))?;
     Ok(Some((format!("binaries/{platform}/{library}"), bytes)))
