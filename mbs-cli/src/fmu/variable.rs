@@ -47,21 +47,23 @@ pub(super) fn variables(derivation: &Derivation, point: &Point, switches: usize)
     let mut list = list.with(Role::Time, &[Column::new("", "time", "s")], &["Time.".to_string()], &[point.state.t]);
     let coordinates = &derivation.coordinates;
     let docs = documented(coordinates);
-    let says = |what: &str| -> Vec<String> { docs.iter().map(|doc| format!("{what}{doc}")).collect() };
-    list = list.with(Role::State, &of_variables("", coordinates, "", ""), &docs, &point.state.q);
+    let states = of_variables("", coordinates, "", "");
+    let says =
+        |what: &str| -> Vec<String> { states.iter().zip(&docs).map(|(c, doc)| about(what, &c.name, doc)).collect() };
+    list = list.with(Role::State, &states, &docs, &point.state.q);
     let rates = of_variables("", coordinates, "_dot", "/s");
-    list = list.with(Role::State, &rates, &says("Rate: "), &point.state.qd);
+    list = list.with(Role::State, &rates, &says("Rate"), &point.state.qd);
     let of = |columns: &[Column], per: &str| -> Vec<Column> {
         columns.iter().map(|c| Column::new("", &format!("der({})", c.name), &rate_unit(&c.unit, per))).collect()
     };
     let first = list.all.len();
-    list = list.with(Role::Derivative, &of(&of_variables("", coordinates, "", ""), "/s"), &says("Derivative: "), &[]);
+    list = list.with(Role::Derivative, &of(&states, "/s"), &says("Derivative"), &[]);
     let accelerations: Vec<Column> = of(&rates, "")
         .into_iter()
         .zip(of_variables("", coordinates, "", "/s^2"))
         .map(|(c, unit)| Column { unit: unit.unit, ..c })
         .collect();
-    list = list.with(Role::Derivative, &accelerations, &says("Acceleration: "), &[]);
+    list = list.with(Role::Derivative, &accelerations, &says("Acceleration"), &[]);
     list = list.with(
         Role::Input,
         &of_variables("", &derivation.inputs, "", ""),
@@ -184,13 +186,19 @@ fn documented(variables: &[Declared]) -> Vec<String> {
     variables.iter().flat_map(|v| vec![v.docs.join(" "); v.count()]).collect()
 }
 
+/// What a derivative is of, by its documentation or its name.
+fn about(what: &str, name: &str, doc: &str) -> String {
+    if doc.is_empty() { format!("{what} of {name}.") } else { format!("{what}: {doc}") }
+}
+
 /// Value, rate and acceleration of each signal.
 fn signals(prescribed: &[Declared]) -> (Vec<Column>, Vec<String>) {
     let orders =
         [("", ""), ("_dot", "/s"), ("_ddot", "/s^2")].map(|(suffix, per)| of_variables("", prescribed, suffix, per));
     let columns = (0..orders[0].len()).flat_map(|i| orders.iter().map(move |columns| columns[i].clone())).collect();
-    let docs = documented(prescribed)
-        .into_iter()
-        .flat_map(|doc| ["", "Rate: ", "Acceleration: "].map(|what| format!("{what}{doc}")));
+    let docs = orders[0].iter().zip(documented(prescribed)).flat_map(|(Column { name, .. }, doc)| {
+        let [rate, acceleration] = ["Rate", "Acceleration"].map(|what| about(what, name, &doc));
+        [doc, rate, acceleration]
+    });
     (columns, docs.collect())
 }

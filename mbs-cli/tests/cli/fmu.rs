@@ -165,6 +165,8 @@ fn names_are_told_apart() {
     assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "{names:?}");
     assert!(names.contains(&"energy_2") && names.contains(&"time_2"), "{names:?}");
     assert!(text.contains("A mass &lt; 5 &amp; &quot;small&quot;."), "{text}");
+    let says = ["Rate of x.", "Derivative of x.", "Acceleration of x."].map(|says| format!("description=\"{says}\""));
+    assert!(says.iter().all(|says| text.contains(says)) && !text.contains(": \""), "{text}");
 }
 
 #[test]
