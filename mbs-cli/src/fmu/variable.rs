@@ -116,7 +116,17 @@ pub(super) fn variables(derivation: &Derivation, point: &Point, switches: usize)
     for (i, dependencies) in output_dependencies.into_iter().enumerate() {
         all[first_output + i].dependencies = dependencies;
     }
+    if is_of_plain_numbers(derivation) {
+        all.iter_mut().for_each(|variable| variable.unit = "1".to_string());
+    }
     all
+}
+
+/// Whether nothing that was declared has a unit, as in a `#![dimensionless]` mechanism: time is a plain number, too.
+fn is_of_plain_numbers(d: &Derivation) -> bool {
+    let declared = [&d.coordinates, &d.parameters, &d.inputs, &d.prescribed].into_iter().flatten().map(|v| &v.unit);
+    let computed = d.output_units.iter().flatten().chain(d.constraint_units.iter().flatten());
+    declared.chain(computed).all(|unit| matches!(unit.as_str(), "" | "1"))
 }
 
 /// Variables that are being listed, and the names that are taken.

@@ -169,6 +169,18 @@ fn names_are_told_apart() {
     assert!(says.iter().all(|says| text.contains(says)) && !text.contains(": \""), "{text}");
 }
 
+/// Of a mechanism in plain numbers, time and energies have no units either.
+#[test]
+fn plain_numbers_have_no_units() {
+    let workshop = Workshop::new();
+    let text =
+        "#![dimensionless] mechanism Orbit { param mu: 1 = 0.1; coord x: 1; kinetic += dt(x)^2; force x += mu; }";
+    workshop.write("orbit.mbs", text);
+    workshop.good(&["fmu", "orbit.mbs", "--sources-only", "--out", "orbit.fmu"]);
+    let text = description(&workshop, "orbit.fmu");
+    assert!(!text.contains("nit=") && !text.contains("<Unit"), "{text}");
+}
+
 #[test]
 fn masters_in_c_find_a_pendulum_and_are_refused_what_is_wrong() {
     let workshop = Workshop::new();
