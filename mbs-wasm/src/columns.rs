@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use mbs_derive::model::Unit;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::variable::Variable;
 
@@ -53,7 +54,7 @@ impl Columns {
         while !self.taken.insert(name.clone()) {
             name += "_output";
         }
-        self.all.push(Column { name, unit: unit.to_string() });
+        self.all.push(Column { name, unit: Unit(unit).in_ascii() });
     }
 }
 

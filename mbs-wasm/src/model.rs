@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use mbs_derive::expr::{Graph, Number};
 use mbs_derive::interpret::{Interpreter, State, Violation};
+use mbs_derive::model::Unit;
 use mbs_derive::optimise::{Argument, Derivation, Function, Shape};
 use mbs_derive::source::{Sources, Unreadable};
 use mbs_derive::variable::{Variable, component_names};
@@ -164,6 +165,7 @@ fn describe(derivation: &Derivation) -> Value {
     let variables = |variables: &[Variable]| variables.iter().map(variable).collect::<Value>();
     let rows = derivation.constraints.iter().zip(&derivation.constraint_units).zip(&derivation.holonomic);
     let constraints = rows.map(|((name, [unit, multiplier_unit]), holonomic)| {
+        let [unit, multiplier_unit] = [unit, multiplier_unit].map(|unit| Unit(unit).in_ascii());
         json!({ "name": name, "unit": unit, "multiplier_unit": multiplier_unit, "holonomic": holonomic })
     });
     let documented = emit::Language::documented(derivation).into_iter();
@@ -218,7 +220,8 @@ fn function(derivation: &Derivation, function: &Function, docs: &[String]) -> Va
         "docs": docs.join("\n"),
         "arguments": arguments.collect::<Value>(),
         "results": results.collect::<Value>(),
-        "units": columns::output_of(derivation, function).map(|number| &derivation.output_units[number]),
+        "units": columns::output_of(derivation, function)
+            .map(|number| derivation.output_units[number].iter().map(|unit| Unit(unit).in_ascii()).collect::<Value>()),
         "operations": {
             "add": count.add, "mul": count.mul, "div": count.div, "sqrt": count.sqrt, "sincos": count.sincos,
             "other": count.other, "flops": count.flops(),

@@ -85,6 +85,9 @@ test("linkages stay closed, and keep their energy", () => {
   assert.equal(motion.columns.crank[0], 1);
   const rows = Object.keys(motion.columns).filter((name) => name.startsWith("residual_"));
   assert.equal(rows.length, fourBar.constraints.length);
+  // Units are written as the language does, those of what is computed, too.
+  const units = [...Object.values(motion.units), ...fourBar.constraints.flatMap((row) => [row.unit, row.multiplier_unit])];
+  assert.match(units.join(" "), /^[ -~]*kg\*m\/s\^2[ -~]*$/);
   for (const row of rows) motion.columns[row].forEach((x) => assert.ok(Math.abs(x) < 1e-12, `${row} ${x}`));
   const { energy } = motion.columns;
   for (const e of energy) assert.ok(Math.abs(e - energy[0]) < 1e-8 * Math.abs(energy[0]));

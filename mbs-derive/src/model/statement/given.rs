@@ -48,9 +48,20 @@ impl Unit<'_> {
     /// assert!(Unit("N*m").is_shown_as("kg·m²/s²") && !Unit("N").is_shown_as("kg·m²/s²"));
     /// ```
     pub fn is_shown_as(self, shown: &str) -> bool {
+        let shown = Unit(shown).in_ascii();
+        of_unit(&shown).is_ok_and(|found| of_unit(self.0).is_ok_and(|wanted| wanted.dimension == found.dimension))
+    }
+
+    /// A unit as documentation writes it, `kg·m²/s²`, as a declaration does.
+    ///
+    /// ```
+    /// use mbs_derive::model::Unit;
+    /// assert_eq!(Unit("kg·m²/s¹²").in_ascii(), "kg*m^2/s^12");
+    /// ```
+    pub fn in_ascii(self) -> String {
         let mut plain = String::new();
         let mut raised = false;
-        for c in shown.chars() {
+        for c in self.0.chars() {
             let digit = "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().position(|known| known == c);
             match (digit, c) {
                 (Some(digit), _) => plain += &format!("{}{digit}", if raised { "" } else { "^" }),
@@ -59,7 +70,7 @@ impl Unit<'_> {
             }
             raised = digit.is_some();
         }
-        of_unit(&plain).is_ok_and(|found| of_unit(self.0).is_ok_and(|wanted| wanted.dimension == found.dimension))
+        plain
     }
 
     /// The exponents of kg, m, s, A, K, mol and cd in the unit; `None` where it is none, or they are not whole.
