@@ -24,6 +24,13 @@ impl Failure {
         Failure { code: 2, ..Failure::new(message) }
     }
 
+    /// What only a program with this feature does.
+    #[cfg(not(all(feature = "accuracy", feature = "lsp")))]
+    pub(crate) fn of_feature(name: &str) -> Self {
+        let build = format!("cargo install --path mbs-cli --features {name}");
+        Failure::of_usage(format_args!("this mbs is built without its feature `{name}`: `{build}` has it"))
+    }
+
     /// Several messages, all to be seen at once.
     pub(crate) fn several(messages: &[String]) -> Self {
         Messages::several(Severity::Error, messages).into()

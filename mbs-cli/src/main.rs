@@ -100,6 +100,13 @@ enum Command {
     Fmt(format::Arguments),
     #[cfg(feature = "lsp")]
     Lsp(lsp::Arguments),
+    /// Serve an editor, which needs another build.
+    #[cfg(not(feature = "lsp"))]
+    #[command(hide = true)]
+    Lsp {
+        #[arg(long)]
+        stdio: bool,
+    },
     Report(report::Arguments),
     New(new::Arguments),
     Explain(explain::Arguments),
@@ -138,6 +145,8 @@ fn run(command: Command, cache: &Cache) -> Result<(), Failure> {
         Command::Fmt(arguments) => format::run(&arguments),
         #[cfg(feature = "lsp")]
         Command::Lsp(arguments) => lsp::run(&arguments),
+        #[cfg(not(feature = "lsp"))]
+        Command::Lsp { .. } => Err(Failure::of_feature("lsp")),
         Command::Report(arguments) => report::run(&arguments, cache),
         Command::New(arguments) => new::run(&arguments),
         Command::Explain(arguments) => explain::run(&arguments),

@@ -32,8 +32,7 @@ pub(crate) struct Arguments {
     explain: bool,
     /// Also measure the error of each function in units of the last place (ulp), against numbers of 200 bits, beside
     /// the condition of what it computes. Example: mbs ops pendulum.mbs --accuracy
-    #[cfg(feature = "accuracy")]
-    #[arg(long)]
+    #[arg(long, hide = cfg!(not(feature = "accuracy")))]
     accuracy: bool,
 }
 
@@ -62,6 +61,10 @@ impl Arguments {
 
 /// Prints the operation counts.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    #[cfg(not(feature = "accuracy"))]
+    if arguments.accuracy {
+        return Err(Failure::of_feature("accuracy"));
+    }
     let sources = mechanism::open(&arguments.file, &mut Files::default())?;
     let derived = mechanism::proved_and(&sources, |analysis| arguments.sections(analysis))?;
     let tables = || derived.also.iter().fold(table(&derived), |text, section| format!("{text}\n{}", section.table));

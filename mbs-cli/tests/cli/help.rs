@@ -115,6 +115,25 @@ fn examples_of_the_help_run() {
     }
 }
 
+/// The README names them: a program without says how to have them, and does not list them.
+#[test]
+fn features_that_are_not_there_are_named() {
+    let workshop = Workshop::new();
+    let lacks = |arguments: &[&str], name: &str| {
+        let says = format!("error: this mbs is built without its feature `{name}`");
+        assert!(workshop.misused(arguments).starts_with(&says), "{arguments:?}");
+        assert!(!workshop.good(&["--help"]).contains(&format!("\n  {name}")), "{name}");
+        assert!(!workshop.good(&["ops", "--help"]).contains(&format!("--{name}")), "{name}");
+    };
+    if cfg!(not(feature = "lsp")) {
+        lacks(&["lsp"], "lsp");
+        lacks(&["lsp", "--stdio"], "lsp");
+    }
+    if cfg!(not(feature = "accuracy")) {
+        lacks(&["ops", "pendulum.mbs", "--accuracy"], "accuracy");
+    }
+}
+
 #[test]
 fn codes_have_pages() {
     let workshop = Workshop::new();
