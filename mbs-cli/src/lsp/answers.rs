@@ -37,7 +37,12 @@ impl View<'_> {
         Some((word, self.files.resolved(0, word)))
     }
 
+    /// Of a robot's name the statement that imports the robot.
     fn location(&self, (file, symbol): Place) -> Option<Location> {
+        if let Some(import) = self.files.import_of(file) {
+            let main = &self.files.0[0];
+            return Some(Location { uri: self.documents.uri(&main.name)?, range: main.text.range(&import) });
+        }
         let found = &self.files.0[file];
         let range = found.text.range(&found.outline.symbols[symbol].span);
         Some(Location { uri: self.documents.uri(&found.name)?, range })
@@ -77,6 +82,9 @@ impl View<'_> {
                 spans.into_iter().filter(|span| with_declaration || (&name, span) != (&declared.0, &declared.1));
             locations.extend(spans.map(|span| Location { uri: uri.clone(), range: text.range(&span) }));
         }
+        if with_declaration && self.files.import_of(place.0).is_some() {
+            locations.extend(self.location(place));
+        }
         Some(locations)
     }
 
@@ -91,11 +99,17 @@ impl View<'_> {
     /// The name at a position, if it can have another.
     pub(super) fn renamable(&self, position: Position) -> Option<lsp_types::Range> {
         let (word, place) = self.place(position)?;
-        let place = place?;
-        // Columns of tables are data.
-        let is_text = !self.files.0[place.0].name.to_lowercase().ends_with(".csv");
         let file = &self.files.0[0];
-        is_text.then(|| file.text.range(&file.outline.words[word].span))
+        self.kept(place?).is_none().then(|| file.text.range(&file.outline.words[word].span))
+    }
+
+    /// Why a name is not changed here: columns of tables are data, and a robot's text is made of its file.
+    fn kept(&self, place: Place) -> Option<&'static str> {
+        if self.files.import_of(place.0).is_some() {
+            return Some("a name of a robot is renamed in the robot's file");
+        }
+        let is_table = self.files.0[place.0].name.to_lowercase().ends_with(".csv");
+        is_table.then_some("a column of a table is renamed in the table")
     }
 
     /// The edits that give the name at a position another one, by the addresses of files.
@@ -105,7 +119,7 @@ impl View<'_> {
     pub(super) fn renamed(&self, position: Position, name: &str) -> Result<Value, String> {
         let place =
             self.place(position).and_then(|(_, place)| place).ok_or("there is no name here that is declared")?;
-        self.renamable(position).ok_or("a column of a table is renamed in the table")?;
+        self.kept(place).map_or(Ok(()), Err)?;
         let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
             && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
             && name.contains(|c: char| c.is_ascii_alphabetic());

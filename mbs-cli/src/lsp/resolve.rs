@@ -52,6 +52,16 @@ impl Files {
         Some(main[..end].rfind("import").unwrap_or(0)..end)
     }
 
+    /// The block of a file whose names are seen in the first one: of a robot that of its mechanism, of a table or
+    /// shared declarations the file.
+    fn shared(&self, number: usize) -> Option<usize> {
+        let outline = &self.0[number].outline;
+        match self.import_of(number) {
+            Some(_) => outline.symbols.iter().find(|symbol| symbol.kind == Kind::Mechanism)?.body,
+            None => (!outline.is_mechanism).then_some(0),
+        }
+    }
+
     pub(super) fn symbol(&self, (file, symbol): Place) -> &Symbol {
         &self.0[file].outline.symbols[symbol]
     }
@@ -95,20 +105,26 @@ impl Files {
             later = later.or(here.first().map(|(number, _)| (file, *number)));
             let Scope { parent, is_body, .. } = &outline.scopes[scope];
             if scope == 0 {
-                return self.imported(file, name, space).or(later);
+                return self.imported(file, name, space, through).or(later);
             }
             through |= is_body;
             scope = *parent;
         }
     }
 
-    /// What another file declares for all.
-    fn imported(&self, file: usize, name: &str, space: Space) -> Option<Place> {
-        let others = self.0.iter().enumerate().filter(|(number, other)| *number != file && !other.outline.is_mechanism);
-        others
-            .flat_map(|(number, other)| other.outline.symbols.iter().enumerate().map(move |(i, s)| ((number, i), s)))
-            .find(|(_, symbol)| symbol.scope == 0 && symbol.name == name && symbol.kind.space() == space)
-            .map(|(place, _)| place)
+    /// What another file declares for all, and a robot for the first file; `through` the body of a function or a part
+    /// only what is seen there.
+    fn imported(&self, file: usize, name: &str, space: Space, through: bool) -> Option<Place> {
+        let others =
+            (0..self.0.len()).filter(|&number| number != file && (file == 0 || self.import_of(number).is_none()));
+        let shared = others.filter_map(|number| Some((number, self.shared(number)?)));
+        let mut declared = shared.flat_map(|(number, scope)| {
+            let symbols = self.0[number].outline.symbols.iter().enumerate();
+            symbols.filter(move |(_, symbol)| symbol.scope == scope).map(move |(i, symbol)| ((number, i), symbol))
+        });
+        let fits = |symbol: &Symbol| symbol.name == name && symbol.kind.space() == space;
+        let is_seen = |symbol: &Symbol| !through || symbol.kind.is_everywhere();
+        declared.find(|(_, symbol)| fits(symbol) && is_seen(symbol)).map(|(place, _)| place)
     }
 
     /// `tip` of `arm.tip`, of the chain of words before it.
@@ -157,8 +173,9 @@ impl Files {
             }
             scope = outline.scopes[scope].parent;
         }
-        for other in self.0.iter().skip(1) {
-            let here = other.outline.symbols.iter().filter(|symbol| symbol.scope == 0);
+        for (number, other) in self.0.iter().enumerate().skip(1) {
+            let shared = self.shared(number);
+            let here = other.outline.symbols.iter().filter(|symbol| Some(symbol.scope) == shared);
             names.extend(here.map(|symbol| symbol.name.clone()));
         }
         let scope = outline.scope_at(offset);
@@ -170,9 +187,9 @@ impl Files {
         places
     }
 
-    /// Where a symbol of the file called `declared` at `start` stands in these files.
+    /// Where a symbol of the file called `declared` at `start` stands in these files; a robot's text is in none.
     fn occurrences(&self, declared: &str, start: usize, name: &str, found: &mut BTreeSet<Occurrence>) {
-        for (number, file) in self.0.iter().enumerate() {
+        for (number, file) in self.0.iter().enumerate().filter(|(number, _)| self.import_of(*number).is_none()) {
             for (word, Word { span, .. }) in file.outline.words.iter().enumerate() {
                 if self.text_of(number, span) != name {
                     continue;
@@ -206,7 +223,7 @@ pub(super) fn references(documents: &Documents, files: &Files, place: Place) -> 
 /// The other files that import the one of a symbol, if others may.
 pub(super) fn importing(documents: &Documents, files: &Files, place: Place) -> Vec<Sources> {
     let file = &files.0[place.0];
-    if file.outline.is_mechanism {
+    if files.shared(place.0).is_none() {
         return Vec::new();
     }
     let others = documents.all().into_iter().filter(|name| *name != files.0[0].name);

@@ -230,6 +230,41 @@ fn definitions_references_and_names() {
     assert_eq!(editor.end(), 0);
 }
 
+#[test]
+fn names_of_an_imported_robot_are_known() {
+    let robot = "<robot name='r'><link name='base'/><link name='boom'><inertial><mass value='1'/>\
+        <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>\
+        <joint name='luff' type='continuous'><parent link='base'/><child link='boom'/></joint></robot>";
+    let text = "import \"r.urdf\";\nmechanism Held {\n    let tip = boom.point([1 m, 0, 0]);\n    output angle = luff;\n    \
+                fn twice() = 2*luff;\n    output height = tip.z + ;\n}\n";
+    let mut editor = Editor::new(workshop());
+    editor.workshop.write("r.urdf", robot);
+    editor.open("held.mbs", text);
+    let found = editor.hover("held.mbs", text, "= |luff;");
+    let expected = ["coord luff: rad;", "coordinate `luff`: 1, of `r.urdf`", "continuous"];
+    assert!(expected.iter().all(|part| found.contains(part)), "{found}");
+    let found = editor.hover("held.mbs", text, "= |boom.point");
+    assert!(found.contains("local name `boom`: pose"), "{found}");
+    let mut ask = |method: &str, marked: &str| {
+        let mut params = editor.at("held.mbs", text, marked);
+        params["context"] = json!({ "includeDeclaration": true });
+        params["newName"] = json!("other");
+        editor.response(method, params)
+    };
+    let import = ask("textDocument/definition", "= |boom.point")["result"].clone();
+    assert!(import["uri"].as_str().unwrap().ends_with("/held.mbs") && import["range"] == range(0, 0, 0, 15));
+    let found = ask("textDocument/references", "= |luff;")["result"].clone();
+    let lines = [0, 1, 2].map(|i| found[i]["range"]["start"]["line"].clone());
+    assert_eq!((lines, &found[2]), ([3, 4, 0].map(Value::from), &import));
+    assert_eq!(ask("textDocument/prepareRename", "= |luff;")["result"], Value::Null);
+    let refused = ask("textDocument/rename", "= |luff;")["error"]["message"].clone();
+    assert_eq!(refused, "a name of a robot is renamed in the robot's file");
+    let found = editor.ask("textDocument/completion", editor.at("held.mbs", text, "tip.z + |;")).to_string();
+    let is_offered = |name: &&str| found.contains(&format!("\"label\":\"{name}\""));
+    assert!(["luff", "boom", "luff_torque"].iter().all(is_offered), "{found}");
+    assert_eq!(editor.end(), 0);
+}
+
 /// A rename that would change what a text means, or break it, is refused; what only looks like one is not.
 #[test]
 fn renamed_texts_mean_the_same() {
