@@ -364,6 +364,7 @@ pub fn derived(lagrangian: &Lagrangian<'_>) -> Derivation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::interpret::{Interpreter, State};
 
     /// What is not asked for is not derived, and nothing else is another program for that.
     #[test]
@@ -406,6 +407,38 @@ mod tests {
         let Err(Error::UnknownFunction { name, known }) = generated(&sources, &options) else { panic!("a wrong name") };
         assert_eq!(name, "forward_dinamics");
         assert!(known.contains(&"linearize".to_string()), "{known:?}");
+    }
+
+    /// Where inputs may stand there is code in every language; what it does is the program's, as it is read again.
+    #[test]
+    fn inputs_are_known_wherever_they_may_stand() {
+        let text = "mechanism Brake {
+            param m: kg = 2; param b: N*s/m = 3;
+            coord x: m; coord y: m;
+            input c: N*s/m; input w: m/s; input f: N;
+            let place = world.point([x, y, 0]);
+            kinetic += particle(m, place);
+            dissipation += 1/2*b*dt(x)^2 + 1/2*b*dt(y)^2;
+            dissipation += 1/2*c*dt(place).norm_squared();
+            dissipation += 1/2*b*(dt(y) - w)^2;
+            force x += f; force at place += [0, 2*f, 0]; torque on world * rot_z(x/(1 m)) += [0, 0, f*(1 m)];
+            output power = f*dt(x);
+        }";
+        let sources = Sources::new("brake.mbs", text);
+        let graph = Graph::verbatim();
+        let analysis = Analysis::of(&sources, &graph).unwrap_or_else(|error| panic!("{}", error.render_in(&sources)));
+        let emitted =
+            analysis.rust(&Options::default().languages(Language::ALL)).unwrap_or_else(|error| panic!("{error:?}"));
+        assert_eq!(emitted.others.len(), Language::ALL.len() - 1);
+        let interpreter = Interpreter::new(analysis.programs());
+        let (m, b, c, w, f, vx, vy) = (2.0, 3.0, 0.5, 4.0, 7.0, 1.5, -2.5);
+        let state = State { q: vec![0.3, 0.4], qd: vec![vx, vy], u: vec![c, w, f], ..State::default() };
+        let call = |kind| interpreter.call(kind, &state).expect("it is there");
+        let expected = [(2.0 * f - b * vx - c * vx) / m, (2.0 * f - b * vy - c * vy - b * (vy - w)) / m];
+        let found = call(FunctionKind::ForwardDynamics);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14 * b.abs()), "{found:?} {expected:?}");
+        assert_eq!(call(FunctionKind::DissipationForce), [b * vx, b * vy], "without the terms that inputs enter");
+        assert_eq!(call(FunctionKind::GeneralizedForce), [2.0 * f - c * vx, 2.0 * f - c * vy - b * (vy - w)]);
     }
 
     /// Matrices of a thousand coordinates are nothing that one derives in passing.

@@ -34,7 +34,8 @@ mod tree;
 use std::cell::OnceCell;
 
 use crate::expr::table::Table;
-use crate::expr::{Elimination, Expr, Graph, Kept, Node, Symbol, carry_out, gradient_of_combination};
+use crate::expr::{Elimination, Expr, Graph, Kept, Node, Symbol, carry_out, gradient, gradient_of_combination};
+use crate::mistake::rule;
 use crate::model::{Lagrangian, PointForce};
 use crate::shape::Shape;
 use crate::variable::Variable;
@@ -240,7 +241,7 @@ pub(crate) struct Energies<'g> {
     pub kinetic: Expr<'g>,
     /// V
     pub potential: Expr<'g>,
-    /// D
+    /// D, without the terms that inputs enter.
     pub dissipation: Expr<'g>,
     /// Terms of L that are neither T nor −V.
     pub other: Expr<'g>,
@@ -258,7 +259,8 @@ impl<'g> Energies<'g> {
     fn carried_out(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Self {
         let sum = |terms: &[Expr<'_>]| sum(terms, graph);
         let (kinetic, potential) = (sum(&lagrangian.kinetic), sum(&lagrangian.potential));
-        let dissipation = sum(&lagrangian.dissipation);
+        let [dissipation, _] = lagrangian.dissipation_without_and_with_inputs();
+        let dissipation = sum(&dissipation);
         let other = sum(&lagrangian.lagrangian);
         Energies {
             kinetic,
@@ -332,16 +334,20 @@ fn declared_inertias<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<E
     carry_out(&inertias, graph, |symbol| time_derivative(symbol, graph))
 }
 
-/// Q of the forces on coordinates and of these forces on points and torques on bodies.
+/// Q of the forces on coordinates, of these forces on points and torques on bodies, and of the terms of D that inputs
+/// enter.
 fn generalized_forces<'g>(
     lagrangian: &Lagrangian<'_>,
     point_forces: &[&PointForce<'_>],
     graph: &'g Graph,
 ) -> Vec<Expr<'g>> {
     let at_points = virtual_work(point_forces, lagrangian.dof(), graph);
+    let [_, dissipation] = lagrangian.dissipation_without_and_with_inputs();
+    let dissipation_force = gradient(sum(&dissipation, graph), &Symbols::of(lagrangian).qd);
     let force = |i: usize| {
         let terms: Vec<_> = lagrangian.forces.iter().filter(|(c, _)| *c == i).map(|(_, force)| *force).collect();
-        sum(&terms, graph) + at_points[i]
+        let acting = sum(&terms, graph) + at_points[i];
+        rule!("dissipation that inputs enter", acting - dissipation_force[i], acting + dissipation_force[i])
     };
     (0..lagrangian.dof()).map(force).collect()
 }

@@ -36,7 +36,7 @@ mod tests {
     }
 
     /// Texts in which rules are.
-    const RULES: [&str; 18] = [
+    const RULES: [&str; 19] = [
         include_str!("expr/function.rs"),
         include_str!("expr/tangent.rs"),
         include_str!("expr/adjoint.rs"),
@@ -44,6 +44,7 @@ mod tests {
         include_str!("expr/arithmetic.rs"),
         include_str!("expr/power.rs"),
         include_str!("expr/normal/half_angle.rs"),
+        include_str!("derive.rs"),
         include_str!("derive/lagrange.rs"),
         include_str!("derive/constraint.rs"),
         include_str!("derive/reaction.rs"),
@@ -92,6 +93,7 @@ mod tests {
             "tests/mechanisms/rolling_coin",
             "tests/mechanisms/four_bar_with_reactions",
             "tests/mechanisms/tree_robot",
+            "tests/mechanisms/driven_dampers",
         ];
         let dimensionless = |text: &&str| Sources::new("rule.mbs", &format!("#![dimensionless]\n{text}"));
         let read = |name: &&str| crate::read(std::path::Path::new(&format!("../{name}.mbs"))).unwrap();

@@ -11,7 +11,7 @@ use mbs_tests::random::{Random, State, positive, states};
 use mbs_tests::reference::dynamics::{Dynamics, motion};
 use mbs_tests::reference::{
     bead_on_hoop, bouncing_pendulum, cart_with_five_links, cartesian_pendulum, chaplygin_sleigh, charged_particle,
-    elastic_joint_arm, four_bar, furuta_pendulum, heavy_top, knife_edge, quadrotor_with_slung_load,
+    driven_dampers, elastic_joint_arm, four_bar, furuta_pendulum, heavy_top, knife_edge, quadrotor_with_slung_load,
     restricted_three_body, rolling_coin, shaken_pendulum, slider_crank, turntable,
 };
 
@@ -229,6 +229,23 @@ fn quadrotor_with_slung_load() {
             thrust,
         };
         check(seed, &reference, |q, qd| found(&generated, 0.0, (q, qd), &thrust));
+    }
+}
+
+/// Inputs within `dissipation`.
+#[test]
+fn driven_dampers() {
+    use mbs_tests::reference::cart_pole::CartPole;
+    use written::driven_dampers::{DrivenDampers, Params};
+    for (seed, [m_cart, m, l, moment, g, rail, clutch]) in sets::<7>() {
+        let [drag, speed] = inputs(seed);
+        let generated = DrivenDampers::new(Params { m_cart, m, l, moment, g, rail, clutch });
+        let cart_pole = CartPole { m_cart, m_bob: m, length: l, g, b: rail };
+        let reference = driven_dampers::DrivenDampers { cart_pole, moment, clutch, drag, speed };
+        check(seed, &reference, |q, qd| {
+            assert_eq!(generated.dissipation_force(q, qd), [rail * qd[0], 0.0, 0.0]);
+            found(&generated, 0.0, (q, qd), &[drag, speed])
+        });
     }
 }
 

@@ -60,7 +60,7 @@ fn the_arm_has_the_joint_wrenches_of_newton_and_euler() {
 /// A `reaction` changes nothing else: names, operations and programs of all other functions are the same.
 #[test]
 fn reactions_cost_nothing_but_themselves() {
-    for module in ["arm_with_reactions", "four_bar_with_reactions", "sprung_trolley"] {
+    for module in ["arm_with_reactions", "driven_dampers", "four_bar_with_reactions", "sprung_trolley"] {
         let source = source(mbs_models::SOURCES, module);
         let is_reaction = |line: &&str| line.trim_start().starts_with("reaction ");
         let without: Vec<&str> = source.lines().filter(|line| !is_reaction(line)).collect();
@@ -284,7 +284,9 @@ fn a_free_body_needs_no_reaction() {
 /// Each route by itself; the proof sees the cheapest one alone.
 #[test]
 fn all_routes_agree() {
-    for module in ["arm_with_reactions", "four_bar_with_reactions", "sprung_trolley", "hanging_masses"] {
+    for module in
+        ["arm_with_reactions", "driven_dampers", "four_bar_with_reactions", "sprung_trolley", "hanging_masses"]
+    {
         let verbatim = Graph::verbatim();
         let (lagrangian, _) =
             declared(source(mbs_models::SOURCES, module), &verbatim, &[]).expect("a mechanism of the repository");

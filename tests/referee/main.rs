@@ -39,6 +39,14 @@ fn random_mechanisms() {
     assert!(compared > 500, "{compared} numbers");
 }
 
+/// What is drawn has none there.
+#[test]
+fn inputs_in_dissipation() {
+    let text = include_str!("../mechanisms/driven_dampers.mbs");
+    let judged = judge((text, &Default::default()), 1, 3).unwrap_or_else(|fault| panic!("{fault}"));
+    assert!(judged.numbers > 100, "{judged:?}");
+}
+
 /// Branches and corners of every kind are proved: of thousands by
 /// `cargo run --release -p mbs-tests --bin referee -- --piecewise yes --count 2000`.
 #[test]

@@ -9,9 +9,9 @@
 //!   [`spherical_pendulum`], [`heavy_top`], [`n_pendulum`];
 //! - and of mechanisms that are driven, constrained or full of friction ([`dynamics`]): [`bead_on_hoop`],
 //!   [`bouncing_pendulum`], [`cart_with_five_links`], [`cartesian_pendulum`], [`chaplygin_sleigh`],
-//!   [`charged_particle`], [`elastic_joint_arm`], [`four_bar`], [`furuta_pendulum`], [`knife_edge`],
-//!   [`quadrotor_with_slung_load`], [`restricted_three_body`], [`rolling_coin`], [`shaken_pendulum`], [`slider_crank`],
-//!   [`turntable`];
+//!   [`charged_particle`], [`driven_dampers`], [`elastic_joint_arm`], [`four_bar`], [`furuta_pendulum`],
+//!   [`knife_edge`], [`quadrotor_with_slung_load`], [`restricted_three_body`], [`rolling_coin`], [`shaken_pendulum`],
+//!   [`slider_crank`], [`turntable`];
 //! - the thesis' equations about a moving origin: [`cylindrical`].
 //!
 //! The former answer to [`EquationsOfMotion`], the latter to [`dynamics::Dynamics`]. z points up, gravity is `g`
@@ -27,6 +27,7 @@ pub mod chaplygin_sleigh;
 pub mod charged_particle;
 pub mod cylindrical;
 pub mod double_pendulum;
+pub mod driven_dampers;
 pub mod dynamics;
 pub mod elastic_joint_arm;
 pub mod four_bar;

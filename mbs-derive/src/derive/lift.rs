@@ -76,7 +76,8 @@ pub(super) fn lifted<'g>(lagrangian: &Lagrangian<'_>, energies: &Energies<'g>, g
     let (bodies, others): (Vec<_>, Vec<_>) = bodies.into_iter().partition(is_physical);
     other_kinetic.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let bodies: Vec<Body<'g>> = bodies.iter().map(|body| carried_body(body, graph)).collect();
-    let (drags, mut other_dissipation) = lagrangian.landmarks.bodies_of(&lagrangian.dissipation, is_tree);
+    let [dissipation, _] = lagrangian.dissipation_without_and_with_inputs();
+    let (drags, mut other_dissipation) = lagrangian.landmarks.bodies_of(&dissipation, is_tree);
     let (drags, others): (Vec<_>, Vec<_>) = drags.into_iter().partition(is_physical);
     other_dissipation.extend(others.iter().map(|body| lagrangian.energy_of(body)));
     let drags: Vec<Body<'g>> = drags.iter().map(|body| carried_body(body, graph)).collect();

@@ -162,8 +162,9 @@ impl<'g> Page<'g> {
         if !lagrangian.lagrangian.is_empty() {
             rows.extend(self.definition("L - T + V", carried_out(&lagrangian.lagrangian, graph)));
         }
-        if !lagrangian.dissipation.is_empty() {
-            rows.extend(self.definition("D", carried_out(&lagrangian.dissipation, graph)));
+        let [dissipation, _] = lagrangian.dissipation_without_and_with_inputs();
+        if !dissipation.is_empty() {
+            rows.extend(self.definition("D", carried_out(&dissipation, graph)));
         }
         self.block("Energies.", rows);
     }

@@ -140,7 +140,8 @@ pub(super) fn shown<'g>(lagrangian: &Lagrangian<'_>, routes: &[Equations<'g>], n
     }
     all.push(shown("kinetic_energy", vec!["T".to_string()], &|e| vec![e.lagrange.kinetic_energy]));
     all.push(shown("potential_energy", vec!["V".to_string()], &|e| vec![e.lagrange.potential_energy]));
-    let [other, dissipation] = [&lagrangian.lagrangian, &lagrangian.dissipation].map(|terms| carried_out(terms, graph));
+    let [dissipation, _] = lagrangian.dissipation_without_and_with_inputs();
+    let [other, dissipation] = [&lagrangian.lagrangian, &dissipation].map(|terms| carried_out(terms, graph));
     all.push(shown("momentum", vec!["L_{0}".to_string()], &|_| vec![other]));
     all.push(shown("dissipation_force", vec!["D".to_string()], &|_| vec![dissipation]));
     all.push(shown("mass_matrix", square("M"), &|e| e.lagrange.mass_matrix.concat()));

@@ -8,7 +8,8 @@ use std::collections::BTreeMap;
 use std::ops::DerefMut;
 use std::ops::{Deref, Range};
 
-use crate::expr::{Expr, Graph, Id, Matrix, Number, Symbol, Vector};
+use crate::expr::table::Table;
+use crate::expr::{Expr, Graph, Id, Matrix, Node, Number, Symbol, Vector};
 use crate::variable::Variable;
 
 use crate::model::frame::{Edge, FrameId, Frames};
@@ -255,7 +256,7 @@ pub struct Draft<'g> {
     pub kinetic: Vec<Expr<'g>>,
     /// The terms of V.
     pub potential: Vec<Expr<'g>>,
-    /// The terms of Rayleigh's D.
+    /// The terms of Rayleigh's D, and those that inputs enter, whose `−∂D/∂q̇` is a part of Q.
     pub dissipation: Vec<Expr<'g>>,
     /// Terms of L that are neither T nor −V.
     pub lagrangian: Vec<Expr<'g>>,
@@ -326,6 +327,19 @@ impl<'g> Draft<'g> {
     /// Number of coordinates.
     pub fn dof(&self) -> usize {
         self.coordinates.iter().map(Variable::count).sum()
+    }
+
+    /// The terms of `dissipation` that D consists of, and those that inputs enter: a state alone does not give these.
+    pub(crate) fn dissipation_without_and_with_inputs(&self) -> [Vec<Expr<'g>>; 2] {
+        let order = self.graph.reachable(self.dissipation.iter().map(|term| term.id()));
+        let mut has_input = Table::new(&order, false);
+        for &id in &order {
+            let node = self.graph.node(id);
+            let is_input = matches!(node, Node::Symbol(Symbol::Input(_)));
+            has_input[id] = is_input || node.operands().any(|operand| has_input[operand]);
+        }
+        let (with, without) = self.dissipation.iter().partition(|term| has_input[term.id()]);
+        [without, with]
     }
 
     /// Whether each row of the constraints is holonomic.

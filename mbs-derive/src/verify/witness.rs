@@ -13,7 +13,8 @@ pub struct Witness<'l, 'g> {
     pub lagrangian: &'l Lagrangian<'g>,
     energies: Tape,
     forces: Tape,
-    /// For each force on a point the velocity and the force, three components each.
+    /// For each force on a point the velocity and the force, three components each; and the terms of D whose force is
+    /// a part of Q.
     point_forces: Tape,
     constraints: Tape,
     outputs: Tape,
@@ -54,8 +55,14 @@ impl<'l, 'g> Witness<'l, 'g> {
             sum(&terms.map(|(_, force)| *force).collect::<Vec<_>>())
         };
         let outputs: Vec<_> = lagrangian.outputs.iter().flat_map(|o| output_components(lagrangian, &o.value)).collect();
-        let point_forces: Vec<_> =
-            lagrangian.point_forces.iter().flat_map(|f| f.velocity.0.into_iter().chain(f.force.0)).collect();
+        let [dissipation, dissipation_with_inputs] = lagrangian.dissipation_without_and_with_inputs();
+        // −∂D/∂q̇ is what a force −1 gives on something that moves at the rate D.
+        let [zero, minus_one] = [0, -1].map(|number| graph.integer(number));
+        let of_inputs = |power: Expr<'g>| [power, zero, zero, minus_one, zero, zero];
+        let point_forces: Vec<_> = (lagrangian.point_forces.iter())
+            .flat_map(|f| f.velocity.0.into_iter().chain(f.force.0))
+            .chain(dissipation_with_inputs.into_iter().flat_map(of_inputs))
+            .collect();
         let frames = lagrangian.frames.iter().flat_map(|frame| {
             let rotation = frame.rotation.0.into_iter().flatten();
             let vectors = [frame.position, frame.angular_velocity, frame.velocity];
@@ -63,7 +70,7 @@ impl<'l, 'g> Witness<'l, 'g> {
         });
         Witness {
             lagrangian,
-            energies: Tape::of_motions(&[l, kinetic, potential, sum(&lagrangian.dissipation)]),
+            energies: Tape::of_motions(&[l, kinetic, potential, sum(&dissipation)]),
             forces: Tape::of_motions(&(0..lagrangian.dof()).map(force).collect::<Vec<_>>()),
             point_forces: Tape::of_motions(&point_forces),
             constraints: Tape::of_motions(

@@ -49,7 +49,8 @@ pub(super) struct Row<S> {
 pub(super) struct Sums<S> {
     pub(super) kinetic: Moving<S>,
     pub(super) potential: Moving<S>,
-    pub(super) dissipation: Moving<S>,
+    /// The terms of D.
+    pub(super) dissipation: Vec<Moving<S>>,
     pub(super) lagrangian: Moving<S>,
     /// Forces on coordinates.
     pub(super) forces: Vec<(usize, Moving<S>)>,
@@ -96,7 +97,7 @@ impl<'m, S: Real> Evaluator<'m, S> {
         let sums = Sums {
             kinetic: number(0.0),
             potential: number(0.0),
-            dissipation: number(0.0),
+            dissipation: Vec::new(),
             lagrangian: number(0.0),
             forces: Vec::new(),
             works: Vec::new(),
@@ -187,7 +188,10 @@ impl<'m, S: Real> Evaluator<'m, S> {
                 let sum = match sum.as_str() {
                     "kinetic" => &mut self.sums.kinetic,
                     "potential" => &mut self.sums.potential,
-                    "dissipation" => &mut self.sums.dissipation,
+                    "dissipation" => {
+                        self.sums.dissipation.push(value);
+                        return Ok(());
+                    }
                     _ => &mut self.sums.lagrangian,
                 };
                 *sum = *sum + value;

@@ -122,7 +122,7 @@ impl Written {
         let calculation = |given: &[Traced<R>]| {
             let mut given = given.iter();
             let traced = state.map(&mut |_| *given.next().expect("as many numbers as the state has"));
-            Ok(Lines::of(&Evaluator::new(mechanism, &traced).run()?))
+            Ok(Lines::of(&Evaluator::new(mechanism, &traced).run()?, &traced.u))
         };
         let (trace, lines) = Trace::of(&given, calculation, Lines::groups)?;
         let again = if R::ROUGH { Some(Trace::of(&given, calculation, Lines::groups)?) } else { None };
@@ -205,8 +205,13 @@ fn in_a_row<S: Copy>(state: &State<S>) -> Vec<S> {
 }
 
 impl Lines {
-    fn of<R: Base>(sums: &Sums<Traced<R>>) -> Self {
+    fn of<R: Base>(sums: &Sums<Traced<R>>, inputs: &[Traced<R>]) -> Self {
         let value = |x: &Moving<Traced<R>>| x.re.re.line();
+        let (with_inputs, without): (Vec<Moving<Traced<R>>>, Vec<_>) =
+            sums.dissipation.iter().copied().partition(|term| term.re.re.depends_on(inputs));
+        let dissipation = without.into_iter().fold(Moving::of(0.0), |sum, term| sum + term);
+        // −∂D/∂q̇ is what a force −1 gives on something that moves at the rate D.
+        let driven = with_inputs.iter().map(|power| (value(power), value(&Moving::of(-1.0))));
         let lagrangian = sums.kinetic - sums.potential + sums.lagrangian;
         let components = sums.constraints.iter().flat_map(|row| &row.components);
         let all = |values: Vec<Moving<Traced<R>>>| values.iter().map(value).collect::<Vec<usize>>();
@@ -214,10 +219,11 @@ impl Lines {
             kinetic: value(&sums.kinetic),
             potential: value(&sums.potential),
             lagrangian: [value(&lagrangian), lagrangian.re.eps.line()],
-            dissipation: value(&sums.dissipation),
+            dissipation: value(&dissipation),
             forces: sums.forces.iter().map(|(coordinate, force)| (*coordinate, value(force))).collect(),
             works: (sums.works.iter())
                 .flat_map(|(rates, force)| rates.iter().map(value).zip(force.iter().map(value)))
+                .chain(driven)
                 .collect(),
             rows: components.map(|x| [value(x), x.re.eps.line(), x.eps.eps.line()]).collect(),
             outputs: sums.outputs.iter().map(|(_, y)| [all(y.flat()), all(velocity(y))]).collect(),

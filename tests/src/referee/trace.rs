@@ -129,6 +129,19 @@ impl<R: Base> Traced<R> {
         self.line.unwrap_or_else(|| write(Line::Constant([wide.hi().to_bits(), wide.lo().to_bits()])))
     }
 
+    /// Whether it was calculated from one of these.
+    pub(super) fn depends_on(self, others: &[Self]) -> bool {
+        let Some(last) = self.line else { return false };
+        PEN.with_borrow(|Pen { lines, .. }| {
+            let mut depends = vec![false; last + 1];
+            for (number, line) in lines.iter().enumerate().take(last + 1) {
+                depends[number] = others.iter().any(|other| other.line == Some(number))
+                    || line.operands().into_iter().flatten().any(|operand| depends[operand]);
+            }
+            depends[last]
+        })
+    }
+
     fn call(self, function: Function) -> Self {
         let value = function.of(self.value);
         Traced { value, line: self.line.map(|a| write(Line::Call(function, a))) }
