@@ -255,8 +255,8 @@ impl<'g> Tree<'g> {
         self.swept_back(self.applied())
     }
 
-    /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing has inertia but bodies and
-    /// what moves with one coordinate.
+    /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing has inertia but bodies
+    /// and what moves with one coordinate.
     fn accelerations(&self, rest: &Lagrange<'g>) -> Option<Vec<Expr<'g>>> {
         let one = self.gravity.0[0].graph().integer(1);
         let coordinate = |slopes: &Vec<(usize, Expr<'g>)>| match slopes.as_slice() {

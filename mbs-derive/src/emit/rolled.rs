@@ -3,10 +3,10 @@
 //! Groups of statements of links that follow each other, outwards or inwards, are one loop where they are the same
 //! trees: with own locals in the place of own locals, those of the neighbour, or of the same link in an earlier sweep,
 //! in the place of those, arguments of the neighbour in the place of arguments, and numbers in the place of numbers,
-//! which then come from a table, as parameters and what is known before the loop come from a list. A turn of the loop may
-//! be the groups of several links: where signs alternate, or joints of several kinds follow each other. What other groups
-//! read is kept in arrays with a component for each turn. Run through, the loops are the statements that there were, and
-//! their values have the same bits.
+//! which then come from a table, as parameters and what is known before the loop come from a list. A turn of the loop
+//! may be the groups of several links: where signs alternate, or joints of several kinds follow each other. What other
+//! groups read is kept in arrays with a component for each turn. Run through, the loops are the statements that there
+//! were, and their values have the same bits.
 //!
 //! - `group`: statements by their links, and which of them are alike;
 //! - `run`: groups that repeat;

@@ -136,8 +136,8 @@ impl<'g> Articulated<'g> {
 
     /// `(M, H, J) − U Uᵀ/D`: what the parent feels of it.
     ///
-    /// What moves along a joint that has no inertia of its own is not felt at all: entries that are zero for that reason
-    /// are not computed.
+    /// What moves along a joint that has no inertia of its own is not felt at all: entries that are zero for that
+    /// reason are not computed.
     fn beyond(&self, joint: &Freed<'g>, edge: &Edge<'g>) -> Self {
         let ([f, n], [f_d, n_d]) = (joint.momentum, joint.per_unit);
         let zero = self.mass.diagonal[0].graph().integer(0);

@@ -210,8 +210,8 @@ fn joints_of_several_kinds_are_one_loop() {
     }
 }
 
-/// What moves with one joint alone, a rotor, leaves a chain what it is; what couples two rates does not: then accelerations
-/// need M.
+/// What moves with one joint alone, a rotor, leaves a chain what it is; what couples two rates does not: then
+/// accelerations need M.
 #[test]
 fn rotors_are_part_of_a_chain() {
     let text =

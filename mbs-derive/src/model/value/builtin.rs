@@ -418,8 +418,8 @@ fn rotation<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolve
     pose([resolver.edge(Edge::Rotation { axis: unit, angle: if reversed { -expr } else { expr } }, &angle.span)?])
 }
 
-/// For `|q| = 1`, which is the user's to keep: by a constraint, where coordinates are among them, or when parameters are
-/// set.
+/// For `|q| = 1`, which is the user's to keep: by a constraint, where coordinates are among them, or when parameters
+/// are set.
 fn quaternion<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let part = |resolver: &mut Resolver<'_, 'g>, argument| {
         resolver.of_dimension(argument, "a component of a quaternion", Dimension::ONE)
