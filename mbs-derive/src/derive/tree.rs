@@ -71,7 +71,7 @@ pub(super) fn equations<'g>(
 ) -> Lagrange<'g> {
     let tree = Tree::new(lifted, masses, symbols);
     if left_out.mass_matrix {
-        return tree.dynamics(energies, rest, symbols);
+        return tree.dynamics(lifted, energies, rest, symbols);
     }
     let bias = add(&tree.bias(), &rest.bias);
     let kinetic_energy = tree.kinetic_energy() + rest.kinetic_energy;
@@ -104,7 +104,7 @@ pub(super) fn equations<'g>(
         generalized_force: cheaper(energies.forces.clone(), add(&tree.applied_forces(), &rest.generalized_force)),
         residual,
         free_force,
-        accelerations: tree.accelerations(rest),
+        accelerations: tree.accelerations(rest, lifted.own_inertia(symbols)),
     }
 }
 
@@ -141,8 +141,6 @@ struct Tree<'g> {
     joint_jacobian: Vec<Vec<(usize, Expr<'g>)>>,
     /// The number of coordinates; no edge moves where all bodies rest.
     coordinates: usize,
-    /// Of each coordinate the inertia of what moves with it alone and is no body; `None` where there is another one.
-    own_inertia: Option<Vec<Expr<'g>>>,
 }
 
 impl<'g> Tree<'g> {
@@ -178,21 +176,8 @@ impl<'g> Tree<'g> {
         let numbers = symbols.q.iter().enumerate().map(|(k, &symbol)| (symbol, k)).collect();
         let joint_jacobian = moving.iter().filter_map(|&link| displacement(link)).map(|d| slope(d, &numbers)).collect();
         let gravity = lifted.gravity;
-        let (coordinates, own_inertia) = (symbols.q.len(), lifted.own_inertia(symbols));
-        Tree {
-            linkage,
-            inertias,
-            drags,
-            twists,
-            gravity,
-            loads,
-            springs,
-            dampers,
-            moving,
-            joint_jacobian,
-            coordinates,
-            own_inertia,
-        }
+        let coordinates = symbols.q.len();
+        Tree { linkage, inertias, drags, twists, gravity, loads, springs, dampers, moving, joint_jacobian, coordinates }
     }
 
     /// Whether nothing acts on the links that is neither inertia nor follows from V.
@@ -205,7 +190,13 @@ impl<'g> Tree<'g> {
     }
 
     /// T, V, the forces and the dynamics, without M and what is made of it: all that grows with the number of links.
-    fn dynamics(&self, energies: &Energies<'g>, rest: &Lagrange<'g>, symbols: &Symbols) -> Lagrange<'g> {
+    fn dynamics(
+        &self,
+        lifted: &Lifted<'g>,
+        energies: &Energies<'g>,
+        rest: &Lagrange<'g>,
+        symbols: &Symbols,
+    ) -> Lagrange<'g> {
         let dissipation_force = gradient(energies.dissipation, &symbols.qd);
         Lagrange {
             kinetic_energy: self.kinetic_energy() + rest.kinetic_energy,
@@ -213,7 +204,7 @@ impl<'g> Tree<'g> {
             inverse_dynamics: add(&self.inverse_dynamics(), &rest.inverse_dynamics),
             dissipation_force: cheaper(dissipation_force, add(&self.dissipation_force(), &rest.dissipation_force)),
             generalized_force: cheaper(energies.forces.clone(), add(&self.applied_forces(), &rest.generalized_force)),
-            accelerations: self.accelerations(rest),
+            accelerations: self.accelerations(rest, lifted.own_inertia(symbols)),
             momentum: Vec::new(),
             mass_matrix: Rows::new(),
             coriolis_matrix: Rows::new(),
@@ -256,8 +247,9 @@ impl<'g> Tree<'g> {
     }
 
     /// q̈ by articulated bodies, where each joint follows one coordinate, one each, and nothing has inertia but bodies
-    /// and what moves with one coordinate.
-    fn accelerations(&self, rest: &Lagrange<'g>) -> Option<Vec<Expr<'g>>> {
+    /// and what moves with one coordinate: of each of these its [own inertia](Lifted::own_inertia).
+    fn accelerations(&self, rest: &Lagrange<'g>, own_inertia: Option<Vec<Expr<'g>>>) -> Option<Vec<Expr<'g>>> {
+        let own_inertia = own_inertia?;
         let one = self.gravity.0[0].graph().integer(1);
         let coordinate = |slopes: &Vec<(usize, Expr<'g>)>| match slopes.as_slice() {
             &[(k, slope)] if slope == one => Some(k),
@@ -271,7 +263,6 @@ impl<'g> Tree<'g> {
             }
         }
         let joints: Vec<usize> = joints.into_iter().collect::<Option<_>>()?;
-        let own_inertia = self.own_inertia.as_ref()?;
         let mut drives = vec![None; self.linkage.links.len()];
         for (&link, &k) in self.moving.iter().zip(&coordinates) {
             drives[link] = Some(Drive { force: rest.free_force[k], inertia: own_inertia[k] });

@@ -287,6 +287,10 @@ impl Tape {
         self.steps.iter().any(is_of_pieces)
     }
 
+    pub(crate) fn has_roots(&self) -> bool {
+        self.steps.iter().any(|step| matches!(step, Node::Power(_, n) if n.to_halves() % 2 != 0))
+    }
+
     /// A tape for these expressions.
     pub fn new(roots: &[Expr<'_>]) -> Self {
         let Some(first) = roots.first() else { return Tape::default() };

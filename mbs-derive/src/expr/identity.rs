@@ -74,7 +74,7 @@ impl<'a> Test<'a> {
     fn new(expr: Expr<'_>, varies: &'a dyn Fn(Symbol) -> bool) -> Self {
         let tape = Tape::strict(&[expr]);
         let varying = varying(&tape, varies);
-        // At zero it is 0, and its square no 1: a function without that law stands for it.
+        // At zero its square is 0, not 1: a function without that law stands for it.
         let tape = tape.with_calls(|at, function| match function {
             Function::Signum if varying[at] => Function::Atan,
             other => other,

@@ -77,18 +77,26 @@ pub(super) fn runs(groups: &Groups, excluded: &[bool]) -> Vec<Run> {
 fn run(groups: &Groups, start: usize, period: usize, excluded: &[bool]) -> Option<Run> {
     let [first, next] = [groups.all.get(start)?, groups.all.get(start + period)?];
     let distance = next.number - first.number;
+    if distance == 0 {
+        return None;
+    }
     // How many links lie between what two angles or results are.
     let between = |before: usize, group: usize| {
         let number = |group: usize| groups.statement_of(group).map(|(home, _)| groups.all[home].number);
         Some(number(group)? - number(before)?)
+    };
+    let goes_on = |before: usize, group: usize| {
+        let first = start + (before - start) % period;
+        between(before, group).is_none_or(|links| between(first, first + period) == Some(links))
     };
     let belongs = |&end: &usize| {
         let group = &groups.all[end];
         let repeats = match end.checked_sub(period).filter(|before| *before >= start) {
             Some(before) => {
                 let of_before = &groups.all[before];
-                let is_alike = group.kind == of_before.kind && group.number - of_before.number == distance;
-                is_alike && between(before, end) == between(start, start + period)
+                let is_alike = group.kind == of_before.kind && group.sink == of_before.sink;
+                let is_further = group.number - of_before.number == distance;
+                is_alike && is_further && goes_on(before, end)
             }
             None => group.sink == first.sink,
         };
@@ -96,7 +104,7 @@ fn run(groups: &Groups, start: usize, period: usize, excluded: &[bool]) -> Optio
     };
     let count = (start..groups.all.len()).take_while(belongs).count();
     let count = count - count % period;
-    if distance == 0 || count < FEW.max(FEWEST_TURNS * period) {
+    if count < FEW.max(FEWEST_TURNS * period) {
         return None;
     }
     let innermost = if distance < 0 { start + count - period } else { start };

@@ -222,6 +222,34 @@ fn rotors_are_part_of_a_chain() {
     assert!(coupled.contains("ldlt_solve"));
 }
 
+/// The first force is one along the first joint, and written as those that all other links hand on: it is a result, and
+/// no turn of the loop before it.
+#[test]
+fn results_are_no_turns_of_the_links() {
+    let text = "mechanism Train {
+        const n = 40;
+        coord q[n]: m;
+        coord s: m;
+        input u[n + 1]: N;
+        kinetic += (1 kg)*dt(s)^2/2;
+        let mut link = world;
+        for i in 0..n {
+            let d = if i == 0 { q[0] + s } else { q[i] };
+            link = link * translation([d, 0, 0]);
+            kinetic += particle(2 kg, link.point([0, 0, 0]));
+            force at link.point([0, 0, 0]) += [u[i + 1], 0, 0];
+        }
+        force q[0] += u[0];
+    }";
+    let options = Options::default().functions(["generalized_force", "inverse_dynamics", "forward_dynamics"]);
+    let graph = Graph::verbatim();
+    let analysis = Analysis::with_options(&Sources::new("train.mbs", text), &graph, &options).unwrap();
+    for language in [Language::Rust, Language::C] {
+        let code = language.write(analysis.programs(), "train.mbs", &options);
+        analysis.programs().proofread(language, &options, &code).unwrap();
+    }
+}
+
 #[test]
 fn kernels_are_written_without_loops() {
     let (code, _) = emitted_of(&chain(40), Language::Cuda, &[]);

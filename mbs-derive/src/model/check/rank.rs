@@ -123,8 +123,8 @@ impl VelocityEquations {
         if doubtful.iter().all(|&row| is_sure(row)) {
             return doubtful;
         }
-        // Rows may be nearly parallel for the units of their coordinates alone, or be so on the sides of conditions
-        // alone that some states lead to.
+        // Rows may be nearly parallel for the units of their coordinates alone, or only on those sides of conditions
+        // that some states lead to.
         let (first, second) = (self.dependent_in_field::<0>(lines, n), self.dependent_in_field::<1>(lines, n));
         let exactly = [first, second];
         let follows = |row: &usize| is_sure(*row) || exactly.iter().flatten().all(|dependent| dependent.contains(row));

@@ -316,7 +316,9 @@ fn vanishing(rows: &[Expr<'_>], simplified: &[Expr<'_>], lagrangian: &Draft<'_>)
             zeros[row] += usize::from(value.abs() <= 2.0 * error);
         }
     }
-    let pieces = |row: usize| Tape::new(&simplified[row..=row]).has_pieces();
+    let tape = |row: usize| Tape::new(&simplified[row..=row]);
+    // √(x²) is x on one side and −x on the other.
+    let pieces = |row: usize| tape(row).has_pieces() || tape(row).has_roots();
     let is_zero = |row: usize| tries[row] > 0 && tries[row] == zeros[row];
     (0..rows.len()).map(|row| is_zero(row) && (!pieces(row) || vanishes(rows[row]) == Verdict::Holds)).collect()
 }
@@ -478,6 +480,7 @@ mod tests {
         check("constraint roll: dt([x, y, 0]) = l*[dt(theta), 0, 0];", Pfaffian, &[0.5 - 5.1, 0.2]);
         // What vanishes on one side of a condition alone is a row.
         check("constraint c: [x - y, max(z - 50*l, 0), abs(z) + z] = 0;", Holonomic, &[1.0, 0.0, 2.2]);
+        check("constraint c: [x - y, sqrt((z - 50*l)^2) + (z - 50*l), 0] = 0;", Holonomic, &[1.0, 0.0]);
         check("constraint c: [if t > 5 s { dt(x) - dt(y) } else { 0 }, dt(x), 0] = 0;", Pfaffian, &[0.0, 0.5]);
         check("constraint c: [theta, abs(theta)*abs(2*theta) - 2*theta^2, 0] = 0;", Holonomic, &[0.4]);
         // Nor does what vanishes for reasons that no local rule sees: the coin's lowest point does not move up.
