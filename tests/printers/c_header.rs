@@ -16,7 +16,7 @@ use mbs_derive::interpret::{Interpreter, State, Violation};
 use mbs_derive::optimise::{Derivation, FunctionKind, Shape};
 use mbs_derive::source::Sources;
 use mbs_printers::call::{arguments, takes};
-use mbs_printers::case::{ALL, Case, named};
+use mbs_printers::case::{ALL, Case, long_chains, named};
 use mbs_printers::depth::{self, STATES};
 use mbs_printers::tools::{self, each, run};
 
@@ -238,29 +238,11 @@ fn every_function_gives_the_bits_of_its_program() {
     assert!(ALL.len() > 60 && compared > 2_500_000, "{compared}");
 }
 
-/// Links on universal joints: a turn of a loop is two links, the angles of the second ones stand behind all others.
-const CABLE: &str = "mechanism LongCable {
-    const n = 20;
-    coord a[n]: rad;
-    coord b[n]: rad;
-    let mut link = world;
-    for i in 0..n {
-        link = link * rot_x(a[i]) * rot_y(b[i]);
-        kinetic += rigid_body(2 kg, [0, 0, -0.15 m], diag(0.02 kg*m^2, 0.02 kg*m^2, 0.003 kg*m^2), link);
-        potential += 2 kg * 9.81 m/s^2 * link.point([0, 0, -0.15 m]).z + 3 N*m*(a[i]^2 + b[i]^2)/2;
-        link = link * translation([0, 0, -0.3 m]);
-    }
-}";
-
 /// Statements of a long chain are written once, in loops, and what they are compiled to gives the same bits.
 #[test]
 fn links_of_a_long_chain_are_loops() {
-    let text = include_str!("../mechanisms/n_chain.mbs").replace("const n = 5;", "const n = 40;");
-    let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
-    let case = |name: &str, file: &str, text: &str| Case::with_options(name, &Sources::new(file, text), &options);
-    let chains = [case("long_chain", "n_chain.mbs", &text), case("long_cable", "long_cable.mbs", CABLE)];
     let folder = tempfile::tempdir().expect("a folder");
-    for chain in &chains {
+    for chain in &long_chains() {
         let header = Language::C.write(&chain.of, &chain.name, &Options::default());
         assert!(header.contains("; i -= ") && header.contains("for (int i = "), "it has no loops");
         for [c, cpp] in compilers() {

@@ -10,7 +10,7 @@ use mbs_derive::emit::{Language, Options, Trigonometry};
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::source::Sources;
 use mbs_printers::call::{arguments, takes};
-use mbs_printers::case::{ALL, Case, Wanted, named};
+use mbs_printers::case::{ALL, Case, Wanted, long_chains, named};
 use mbs_printers::depth::{STATES, is_complete, states_of_octave, states_of_scripts};
 use mbs_printers::tools::{each, has, run};
 
@@ -129,6 +129,28 @@ fn every_function_gives_the_bits_of_its_program_in_every_language() {
         assert!(same > 50_000, "{same} {close}");
     }
 }
+
+/// Statements of a long chain are written once, in loops, and give the same bits.
+#[test]
+fn links_of_a_long_chain_are_loops() {
+    let chains = long_chains();
+    for (chain, (language, loops)) in chains.iter().flat_map(|chain| LOOPS.map(|loops| (chain, loops))) {
+        let text = language.write(&chain.of, &chain.name, &Options::default());
+        assert!(loops.iter().all(|begin| text.contains(begin)), "{} has no loops", language.name());
+    }
+    let cases: Vec<&Case> = chains.iter().collect();
+    let [same, close] =
+        compared(&cases, Trigonometry::Polynomials, [STATES, 5], |case, n| case.wanted(Trigonometry::Polynomials, n));
+    println!("{same} numbers with the same bits");
+    assert_eq!(close, 0);
+}
+
+/// What loops begin with, outwards and inwards.
+const LOOPS: [(Language, [&str; 2]); 3] = [
+    (Language::Js, ["for (let i = 1; i < ", "i -= 1) {"]),
+    (Language::Python, ["for i in range(", "for i in reversed(range("]),
+    (Language::Matlab, ["for m_i = 1:", ":-1:"]),
+];
 
 /// Every function that the language of mechanisms has.
 #[test]

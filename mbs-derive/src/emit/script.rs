@@ -1,9 +1,11 @@
 //! Languages that are not compiled, by the walk of `walk`.
 //!
 //! - `js`, `python`, `matlab`: the languages, each with what its files share beside it;
+//! - `loops`: what loops over links need in them;
 //! - `pieces`: of that the part that one file needs.
 
 pub(super) mod js;
+mod loops;
 pub(super) mod matlab;
 mod pieces;
 pub(super) mod python;

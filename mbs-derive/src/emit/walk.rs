@@ -30,6 +30,8 @@ pub(super) trait Syntax {
         match leaf {
             Tree::Constant(value) => self.constant(*value),
             Tree::Hoisted(_) => self.hoisted(body.name(leaf)),
+            // What loops call components is written already.
+            leaf if body.name(leaf).ends_with([']', ')']) => body.name(leaf).to_string(),
             leaf => self.identifier(body.name(leaf)),
         }
     }

@@ -6,7 +6,7 @@
 //! read but for comments and documentation. What files of a language share is compared with what it is kept as.
 //!
 //! - `dialect`: what languages differ in;
-//! - `expression`, `statement`: what is computed;
+//! - `expression`, `statement`, `loops`: what is computed;
 //! - `sheet`: what functions are to give, with slots for it;
 //! - `c`, `js`, `python`, `matlab`: how a language writes that.
 
@@ -14,6 +14,7 @@ mod c;
 mod dialect;
 mod expression;
 mod js;
+mod loops;
 mod matlab;
 mod python;
 mod sheet;

@@ -81,6 +81,28 @@ pub fn named(name: &str) -> &'static Case {
     ALL.iter().find(|case| case.name == name).unwrap_or_else(|| panic!("there is no mechanism {name}"))
 }
 
+/// Links on universal joints: a turn of a loop is two links, the angles of the second ones stand behind all others.
+const CABLE: &str = "mechanism LongCable {
+    const n = 20;
+    coord a[n]: rad;
+    coord b[n]: rad;
+    let mut link = world;
+    for i in 0..n {
+        link = link * rot_x(a[i]) * rot_y(b[i]);
+        kinetic += rigid_body(2 kg, [0, 0, -0.15 m], diag(0.02 kg*m^2, 0.02 kg*m^2, 0.003 kg*m^2), link);
+        potential += 2 kg * 9.81 m/s^2 * link.point([0, 0, -0.15 m]).z + 3 N*m*(a[i]^2 + b[i]^2)/2;
+        link = link * translation([0, 0, -0.3 m]);
+    }
+}";
+
+/// Mechanisms whose links are written in loops: on hinges, and on universal joints.
+pub fn long_chains() -> [Case; 2] {
+    let text = include_str!("../../mechanisms/n_chain.mbs").replace("const n = 5;", "const n = 40;");
+    let options = Options::default().functions(["inverse_dynamics", "forward_dynamics"]);
+    let case = |name: &str, file: &str, text: &str| Case::with_options(name, &Sources::new(file, text), &options);
+    [case("long_chain", "n_chain.mbs", &text), case("long_cable", "long_cable.mbs", CABLE)]
+}
+
 impl Case {
     /// Of a text.
     ///

@@ -1,6 +1,6 @@
 //! What loops over the links of a long chain need in C.
 
-use super::super::rolled::{Loops, Turns};
+use super::super::rolled::{Loops, Turns, wrapped};
 use super::WIDEST;
 use super::syntax::{C, constant};
 
@@ -12,10 +12,6 @@ impl Loops for C<'_, '_> {
 
     fn list(&self, name: &str, values: &[String]) -> Vec<String> {
         listed(&format!("const mbs_real {name}"), values)
-    }
-
-    fn number(&self, component: &str) -> String {
-        component.to_string()
     }
 
     fn array(&self, name: &str, count: usize) -> String {
@@ -40,15 +36,7 @@ impl Loops for C<'_, '_> {
     }
 }
 
-/// An array of these values, several in a line.
+/// An array of these values.
 fn listed(declared: &str, values: &[String]) -> Vec<String> {
-    let mut lines = vec![format!("{declared}[{}] = {{", values.len()), "   ".to_string()];
-    for value in values {
-        match lines.last_mut().filter(|line| line.len() + value.len() + 2 <= WIDEST) {
-            Some(line) => line.extend([" ", value, ","]),
-            None => lines.push(format!("    {value},")),
-        }
-    }
-    lines.push("};".to_string());
-    lines
+    wrapped(&format!("{declared}[{}] = {{", values.len()), values, "};", WIDEST)
 }

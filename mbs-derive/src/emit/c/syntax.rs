@@ -1,6 +1,5 @@
 //! How values and statements are written in C.
 
-use super::super::name::ARGUMENTS;
 use super::super::rolled::Loops;
 use super::super::walk::{Place, Side, Syntax, Wanted, if_else, one_angle};
 use super::Header;
@@ -37,13 +36,8 @@ pub(super) fn constant(value: f64) -> String {
 }
 
 impl Syntax for C<'_, '_> {
-    /// Of a component of an array with its index; arguments have their names.
     fn identifier(&self, name: &str) -> String {
-        match name.split_once('[') {
-            Some((array, _)) if ARGUMENTS.contains(&array) => name.to_string(),
-            Some((array, index)) => format!("{}[{index}", identifier(array)),
-            None => identifier(name),
-        }
+        identifier(name)
     }
 
     fn constant(&self, value: f64) -> String {

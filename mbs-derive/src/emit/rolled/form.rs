@@ -28,6 +28,11 @@ pub(super) struct Along {
 }
 
 impl Along {
+    /// The same component in each turn.
+    pub(super) fn only(component: i64) -> Along {
+        Along { slope: 0, start: component }
+    }
+
     /// Through two turns, the second of which follows the first; not where it stays or goes back.
     fn through([turn, next]: [(i64, i64); 2]) -> Option<Along> {
         let slope = (next.1 - turn.1) / (next.0 - turn.0);

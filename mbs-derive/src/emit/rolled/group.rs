@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::expr::Symbol;
+use crate::expr::{Symbol, Trigonometry};
 
 use super::super::body::Body;
 use super::super::expression::Tree;
@@ -47,9 +47,10 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// `None` where there are branches.
+    /// `None` where there are branches, or sines of the library, which no call computes for many angles.
     pub(super) fn of(body: &Body<'_>) -> Option<Groups> {
         let mut groups = Groups { all: Vec::new(), sines_at: None, angles: Vec::new(), homes: BTreeMap::new() };
+        let is_library = body.names.trigonometry == Trigonometry::Library;
         let mut next = body.locals.len();
         let mut single = |number: usize, sink, tree: &Tree| {
             next += 1;
@@ -67,7 +68,7 @@ impl Groups {
                         None => groups.all.push(Group::new(link.unwrap_or(0), None, binding)),
                     }
                 }
-                Statement::SinCos(angles) if groups.sines_at.is_none() => {
+                Statement::SinCos(angles) if groups.sines_at.is_none() && !is_library => {
                     let of_angles = angles.iter().enumerate().map(|(k, angle)| single(k, Sink::Angles, &angle.tree));
                     groups.all.extend(of_angles);
                     groups.sines_at = Some(groups.all.len());

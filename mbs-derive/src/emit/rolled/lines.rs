@@ -1,16 +1,35 @@
 //! The lines of a body in loops, in any language that can write them.
 
-use super::super::walk::Writer;
+use super::super::expression::Tree;
+use super::super::walk::{Syntax, Writer};
 use super::{Step, Turns, rolled};
 
 /// How a language writes what loops need beside statements.
-pub(in crate::emit) trait Loops {
+pub(in crate::emit) trait Loops: Syntax {
+    /// The index of the first component of an array.
+    fn first(&self) -> i64 {
+        0
+    }
+    /// A component of an array, a list or a table.
+    fn component(&self, array: &str, place: &str) -> String {
+        format!("{}[{place}]", self.identifier(array))
+    }
+    /// A component of an argument.
+    fn argument(&self, name: &str, place: &str) -> String {
+        format!("{name}[{place}]")
+    }
+    /// Gives a component of an array its value.
+    fn keep(&self, component: &str, value: &str) -> String {
+        format!("{component} = {value};")
+    }
     /// A table of numbers.
     fn table(&self, name: &str, numbers: &[f64]) -> Vec<String>;
     /// A list of values.
     fn list(&self, name: &str, values: &[String]) -> Vec<String>;
     /// A component of a table, as a value.
-    fn number(&self, component: &str) -> String;
+    fn number(&self, component: String) -> String {
+        component
+    }
     /// An array whose components are given values one after the other.
     fn array(&self, name: &str, count: usize) -> String;
     /// Arrays of the sines and the cosines of this many angles.
@@ -34,14 +53,14 @@ pub(in crate::emit) fn lines(writer: &Writer<'_, '_>, loops: &dyn Loops) -> Opti
 
 fn of_step(step: &Step, writer: &Writer<'_, '_>, loops: &dyn Loops) -> Vec<String> {
     let syntax = writer.syntax;
-    let name = |local: &usize| syntax.identifier(&writer.body.locals[*local]);
+    let name = |local: &usize| syntax.leaf(&Tree::Local(*local), writer.body);
     match step {
         Step::Let(local, tree) => vec![syntax.bind(&name(local), &writer.print(tree))],
         Step::List(list, values) => {
             let values: Vec<String> = values.iter().map(|value| writer.print(value)).collect();
             loops.list(&syntax.identifier(list), &values)
         }
-        Step::Keep(place, tree) => vec![format!("{} = {};", name(place), writer.print(tree))],
+        Step::Keep(place, tree) => vec![loops.keep(&name(place), &writer.print(tree))],
         Step::Link(link) => vec![syntax.comment(&format!("Link {link}."))],
         Step::Links([first, last]) => vec![syntax.comment(&format!("Links {first} to {last}."))],
         Step::SinesAndCosines { names, angles, count } => {
@@ -52,4 +71,17 @@ fn of_step(step: &Step, writer: &Writer<'_, '_>, loops: &dyn Loops) -> Vec<Strin
             loops.repeated(turns, steps.iter().flat_map(|step| of_step(step, writer, loops)).collect())
         }
     }
+}
+
+/// A list with several values in a line, a comma behind each, and what is before and behind it in lines of their own.
+pub(in crate::emit) fn wrapped(open: &str, values: &[String], close: &str, widest: usize) -> Vec<String> {
+    let mut lines = vec![open.to_string(), "   ".to_string()];
+    for value in values {
+        match lines.last_mut().filter(|line| line.len() + value.len() + 2 <= widest) {
+            Some(line) => line.extend([" ", value, ","]),
+            None => lines.push(format!("    {value},")),
+        }
+    }
+    lines.push(close.to_string());
+    lines
 }

@@ -50,6 +50,7 @@ impl<'p> Printer<'p> {
         let mut scope = body.scope.clone();
         let run_of = run_of(groups, runs);
         let [index, angles, results] = ["i", "angles", "results"].map(|name| scope.unique(name));
+        let index = loops.identifier(&index);
         let mut read: BTreeSet<Family> = [0, 1].map(Family::OfAngles).into();
         for leaf in groups.all.iter().flat_map(|group| &group.leaves) {
             if let Tree::Local(local) = leaf {
@@ -137,10 +138,10 @@ impl<'p> Printer<'p> {
         }
         let results = self.groups.all.iter().filter(|group| group.sink == Some(Sink::Results));
         let numbers: Vec<i64> = results.map(|group| group.number).collect();
-        let results: Vec<Tree> = numbers.iter().map(|k| self.text(format!("{}[{k}]", self.results))).collect();
+        let results = numbers.iter().map(|&k| self.text(self.at(&self.results, Along::only(k)))).collect();
         let kept = self.arrays.iter().filter(|(family, _)| matches!(family, Family::OfRun(..)));
         let mut arrays: Vec<(String, usize)> = kept.map(|(_, array)| (array.name.clone(), array.count)).collect();
-        arrays.push((self.results.clone(), results.len()));
+        arrays.push((self.results.clone(), numbers.len()));
         if self.groups.sines_at.is_some() {
             arrays.push((self.angles.clone(), self.groups.angles.len()));
         }
@@ -166,33 +167,47 @@ impl<'p> Printer<'p> {
         }
     }
 
-    /// A component of an array.
-    fn component(&self, family: Family, number: i64) -> String {
-        let array = &self.arrays[&family];
-        format!("{}[{}]", array.name, number - array.first)
+    /// Which component it is, as the language counts them.
+    fn number(&self, Along { slope, start }: Along) -> String {
+        let (index, start) = (&self.index, start + self.loops.first());
+        let turn = match slope {
+            0 => return start.to_string(),
+            1 => index.clone(),
+            _ => format!("{slope} * {index}"),
+        };
+        match start {
+            0 => turn,
+            1.. => format!("{turn} + {start}"),
+            _ => format!("{turn} - {}", -start),
+        }
     }
 
-    /// A component of an array that depends on the turn of a loop.
-    fn along(&self, name: &str, Along { slope, start }: Along) -> String {
-        let index = &self.index;
-        let turn = if slope == 1 { index.clone() } else { format!("{slope} * {index}") };
-        match start {
-            0 => format!("{name}[{turn}]"),
-            1.. => format!("{name}[{turn} + {start}]"),
-            _ => format!("{name}[{turn} - {}]", -start),
-        }
+    /// A component of an array.
+    fn at(&self, name: &str, along: Along) -> String {
+        self.loops.component(name, &self.number(along))
+    }
+
+    /// A component of an argument.
+    fn argument(&self, name: &str, along: Along) -> String {
+        self.loops.argument(name, &self.number(along))
+    }
+
+    /// A component of the array of a family.
+    fn component(&self, family: Family, number: i64) -> String {
+        let array = &self.arrays[&family];
+        self.at(&array.name, Along::only(number - array.first))
     }
 
     /// The component of this turn, of what begins with that of the turn `first`.
     fn of_this_turn(&self, name: &str, first: i64) -> String {
-        self.along(name, Along { slope: 1, start: -first })
+        self.at(name, Along { slope: 1, start: -first })
     }
 
     /// A leaf outside of loops.
     fn leaf(&mut self, leaf: &Tree) -> Tree {
         match leaf {
             Tree::Symbol(symbol) => match argument(*symbol) {
-                Some((name, number)) => self.text(format!("{name}[{number}]")),
+                Some((name, number)) => self.text(self.argument(name, Along::only(number))),
                 None => leaf.clone(),
             },
             Tree::Local(local) => match component_of(self.groups, self.runs, &self.run_of, *local) {
@@ -213,7 +228,7 @@ impl<'p> Printer<'p> {
             let tree = tree.with_leaves(&mut |leaf| self.leaf(leaf));
             match self.sink(*sink) {
                 Some(array) => {
-                    let place = self.place(format!("{array}[{number}]"));
+                    let place = self.place(self.at(&array, Along::only(*number)));
                     steps.push(Step::Keep(place, tree));
                 }
                 None => steps.push(Step::Let(*local, tree)),
@@ -258,7 +273,7 @@ impl<'p> Printer<'p> {
                 (Some(array), _) => {
                     let slope = run.distance.abs();
                     let start = group.number - slope * run.turn_of(run.groups.start + place);
-                    Some(self.along(&array, Along { slope, start }))
+                    Some(self.at(&array, Along { slope, start }))
                 }
                 (None, array) => array.map(|array| self.of_this_turn(&array.name, array.first)),
             };
@@ -284,14 +299,14 @@ impl<'p> Printer<'p> {
                 }
                 match forms.next() {
                     None | Some(Form::Same) => self.leaf(tree),
-                    Some(&Form::Argument(name, along)) => self.text(self.along(name, along)),
+                    Some(&Form::Argument(name, along)) => self.text(self.argument(name, along)),
                     Some(&Form::Component(family, along)) => {
                         let Array { name, first, .. } = &self.arrays[&family];
-                        self.text(self.along(name, Along { start: along.start - first, ..along }))
+                        self.text(self.at(name, Along { start: along.start - first, ..along }))
                     }
                     Some(Form::Table(bits)) => {
                         let table = self.table(bits);
-                        self.text(self.loops.number(&self.of_this_turn(&table, run.first)))
+                        self.text(self.loops.number(self.of_this_turn(&table, run.first)))
                     }
                     Some(Form::List(values)) => {
                         let list = self.list(values);

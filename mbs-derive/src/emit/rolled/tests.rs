@@ -1,4 +1,4 @@
-use super::super::{Language, Options};
+use super::super::{Language, Options, Trigonometry};
 use crate::Analysis;
 use crate::expr::Graph;
 use crate::source::Sources;
@@ -109,7 +109,13 @@ fn emitted_of(text: &str, language: Language, mutations: &[(&str, &str)]) -> (St
     let programs = analysis.programs();
     let code = language.write(programs, "chain.mbs", &options);
     programs.proofread(language, &options, &code).unwrap();
-    let begin = if language == Language::Rust { "for i in (" } else { "for (int i = " };
+    let begin = match language {
+        Language::Rust => "for i in (",
+        Language::Js => "for (let i = ",
+        Language::Python => "for i in ",
+        Language::Matlab => "for m_i = ",
+        _ => "for (int i = ",
+    };
     let is_right = |(from, to): &(&str, &str)| {
         let (before, behind) = code.split_once(begin).expect("a loop");
         assert!(behind.contains(from), "{from}");
@@ -118,6 +124,20 @@ fn emitted_of(text: &str, language: Language, mutations: &[(&str, &str)]) -> (St
     };
     let right = mutations.iter().map(is_right).collect();
     (code, right)
+}
+
+/// The text of a mechanism in each of these languages, read again.
+fn written(text: &str, languages: &[Language]) -> Vec<String> {
+    let options = Options::default().functions(["generalized_force", "inverse_dynamics", "forward_dynamics"]);
+    let graph = Graph::verbatim();
+    let analysis = Analysis::with_options(&Sources::new("chain.mbs", text), &graph, &options).unwrap();
+    let programs = analysis.programs();
+    let text = |&language: &Language| {
+        let code = language.write(programs, "chain.mbs", &options);
+        programs.proofread(language, &options, &code).unwrap_or_else(|fault| panic!("{}: {fault}", language.name()));
+        code
+    };
+    languages.iter().map(text).collect()
 }
 
 #[test]
@@ -166,6 +186,65 @@ fn loops_of_c_are_read_again_turn_by_turn() {
 }
 
 #[test]
+fn loops_of_scripts_are_read_again_turn_by_turn() {
+    let of_js = [
+        ("; i < ", "; i <= "),
+        ("; i -= 1", "; i -= 2"),
+        ("[i]", "[i - 1]"),
+        ("[i - 1]", "[i]"),
+        (" = sines", " = cosines"),
+        ("q[i", "qd[i"),
+        ("const ", "let "),
+        ("results[1]", "results[2]"),
+    ];
+    let of_python = [
+        ("reversed(", "("),
+        (", 39)", ", 38)"),
+        ("[i]", "[i - 1]"),
+        ("[i - 1]", "[i]"),
+        (" = sines", " = cosines"),
+        ("q[..., i", "qd[..., i"),
+        ("q[..., i", "q[i"),
+        ("            ", "        "),
+        ("results[1]", "results[2]"),
+    ];
+    let of_matlab = [
+        (":-1:", ":-2:"),
+        (":38", ":37"),
+        ("(m_i + 1)", "(m_i)"),
+        ("(m_i)", "(m_i + 1)"),
+        (" = sines", " = cosines"),
+        ("q(m_i", "qd(m_i"),
+        ("\nend\n", "\n"),
+        ("results(2)", "results(3)"),
+    ];
+    for (language, mutations) in
+        [(Language::Js, &of_js[..]), (Language::Python, &of_python), (Language::Matlab, &of_matlab)]
+    {
+        let (code, right) = emitted_of(&chain(40), language, mutations);
+        assert_eq!(right, vec![false; mutations.len()], "{}", language.name());
+        let (longer, _) = emitted_of(&chain(60), language, &[]);
+        let [lines, more] = [&code, &longer].map(|code| code.lines().filter(|line| line.contains(" = ")).count());
+        // Numbers alone grow; MATLAB has a line for each result.
+        let grown = if language == Language::Matlab { 2 * 20 } else { 0 };
+        assert!((more - lines - grown) * 20 < lines, "{}: {lines} {more}", language.name());
+    }
+}
+
+/// Sines of the library are computed one by one.
+#[test]
+fn sines_of_the_library_are_in_no_loop() {
+    let options = Options::default().functions(["inverse_dynamics"]).trigonometry(Trigonometry::Library);
+    let graph = Graph::verbatim();
+    let analysis = Analysis::with_options(&Sources::new("chain.mbs", &chain(40)), &graph, &options).unwrap();
+    for language in Language::ALL {
+        let code = language.write(analysis.programs(), "chain.mbs", &options);
+        analysis.programs().proofread(language, &options, &code).unwrap();
+        assert!(!code.contains("sin_cos_all(angles"), "{}", language.name());
+    }
+}
+
+#[test]
 fn parameters_of_each_link_come_from_lists() {
     let mutations = [("values[i", "values[1 + i"), ("[i - 1]", "[i]"), ("let values", "let values_x")];
     let (code, right) = emitted_of(&rope(40), Language::Rust, &mutations);
@@ -190,6 +269,12 @@ fn parameters_of_each_link_come_from_lists() {
     let (in_c, right) = emitted_of(&rope(40), Language::C, &mutations);
     assert!(in_c.contains("const mbs_real values[") && in_c.len() < code.len());
     assert_eq!(right, [false; 7]);
+    let scripts = [Language::Js, Language::Python, Language::Matlab];
+    for (script, list) in
+        written(&rope(40), &scripts).iter().zip(["const values = [", "py_values = [", "values = [ ..."])
+    {
+        assert!(script.contains(list) && script.len() < code.len());
+    }
 }
 
 /// A turn of a loop may be several links, whose statements are other ones.
@@ -205,8 +290,11 @@ fn joints_of_several_kinds_are_one_loop() {
         let (longer, _) = emitted_of(&chain(34), Language::Rust, &[]);
         let [few, more] = [statements(&shorter), statements(&longer)];
         assert!(few.abs_diff(more) * 20 < few, "{few} {more}");
-        let (_, right) = emitted_of(&chain(26), Language::C, &mutations);
-        assert_eq!(right, [false; 3]);
+        for language in [Language::C, Language::Js, Language::Python] {
+            let mutations = &mutations[..if language == Language::Python { 2 } else { 3 }];
+            let (_, right) = emitted_of(&chain(26), language, mutations);
+            assert_eq!(right, vec![false; mutations.len()]);
+        }
     }
 }
 
@@ -241,13 +329,7 @@ fn results_are_no_turns_of_the_links() {
         }
         force q[0] += u[0];
     }";
-    let options = Options::default().functions(["generalized_force", "inverse_dynamics", "forward_dynamics"]);
-    let graph = Graph::verbatim();
-    let analysis = Analysis::with_options(&Sources::new("train.mbs", text), &graph, &options).unwrap();
-    for language in [Language::Rust, Language::C] {
-        let code = language.write(analysis.programs(), "train.mbs", &options);
-        analysis.programs().proofread(language, &options, &code).unwrap();
-    }
+    written(text, &Language::ALL);
 }
 
 #[test]
@@ -258,8 +340,5 @@ fn kernels_are_written_without_loops() {
 
 #[test]
 fn trees_of_several_chains_are_right_whatever_is_rolled_of_them() {
-    for (language, function) in [(Language::Rust, "fn forward_dynamics"), (Language::C, "chain_forward_dynamics")] {
-        let (code, _) = emitted_of(FORK, language, &[]);
-        assert!(code.contains(function));
-    }
+    assert!(written(FORK, &Language::ALL).iter().all(|code| code.contains("forward_dynamics")));
 }

@@ -4,6 +4,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::rolled::Loops;
 use super::super::walk::{
     Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, if_else, indented,
     plain,
@@ -30,7 +31,7 @@ const TAKEN: &str = "arguments await break case catch class const constructor co
     undefined NaN Infinity Math Number Array Object params q qd qdd u t prescribed multipliers mass_matrix \
     reciprocals right_side system motion sizes parts";
 
-struct Js;
+pub(super) struct Js;
 
 impl Syntax for Js {
     fn identifier(&self, name: &str) -> String {
@@ -72,6 +73,10 @@ impl Syntax for Js {
 
     fn comment(&self, text: &str) -> String {
         format!("// {text}")
+    }
+
+    fn loops(&self) -> Option<&dyn Loops> {
+        Some(self)
     }
 
     fn bind(&self, name: &str, value: &str) -> String {

@@ -6,6 +6,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::rolled::Loops;
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, if_else, plain};
 use super::super::{Identifiers, Options, doc};
 use super::pieces::needed;
@@ -69,7 +70,7 @@ pub(in crate::emit) fn file(mechanism: &str) -> String {
     if is_called { format!("m_{mechanism}") } else { Matlab.identifier(mechanism) }
 }
 
-struct Matlab;
+pub(super) struct Matlab;
 
 impl Syntax for Matlab {
     fn identifier(&self, name: &str) -> String {
@@ -112,6 +113,10 @@ impl Syntax for Matlab {
 
     fn comment(&self, text: &str) -> String {
         format!("% {text}")
+    }
+
+    fn loops(&self) -> Option<&dyn Loops> {
+        Some(self)
     }
 
     fn bind(&self, name: &str, value: &str) -> String {

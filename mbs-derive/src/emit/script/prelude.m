@@ -83,6 +83,16 @@ end
 end
 
 
+function [sines, cosines] = mbs_sin_cos_all(angles)
+% Those of several angles.
+sines = angles;
+cosines = angles;
+for i = 1:numel(angles)
+  [sines(i), cosines(i)] = mbs_sin_cos(angles(i));
+end
+end
+
+
 function y = mbs_own_sin(x)
 [y, ~] = mbs_sin_cos(x);
 end

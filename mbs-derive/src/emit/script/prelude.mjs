@@ -43,6 +43,17 @@ function mbs_sin_cos(x) {
 }
 
 
+/** Those of several angles. */
+function mbs_sin_cos_all(angles) {
+  const sines = new Float64Array(angles.length);
+  const cosines = new Float64Array(angles.length);
+  for (let i = 0; i < angles.length; i++) {
+    [sines[i], cosines[i]] = mbs_sin_cos(angles[i]);
+  }
+  return [sines, cosines];
+}
+
+
 function mbs_own_sin(x) {
   return mbs_sin_cos(x)[0];
 }

@@ -73,6 +73,11 @@ def mbs_sin_cos(x):
     return np.where(is_within, sin, np.sin(x)), np.where(is_within, cos, np.cos(x))
 
 
+def mbs_sin_cos_all(angles):
+    """Those of several angles, each a number or a batch of them."""
+    return mbs_sin_cos(np.array(np.broadcast_arrays(*angles)))
+
+
 def mbs_own_sin(x):
     """The sine alone."""
     return mbs_sin_cos(x)[0]

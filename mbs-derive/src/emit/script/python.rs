@@ -4,6 +4,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::rolled::Loops;
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
 use super::super::{Identifiers, Options, doc};
 use super::list;
@@ -88,7 +89,7 @@ pub(in crate::emit) fn identifier(name: &str) -> String {
     Python.identifier(name)
 }
 
-struct Python;
+pub(super) struct Python;
 
 impl Syntax for Python {
     fn identifier(&self, name: &str) -> String {
@@ -135,6 +136,10 @@ impl Syntax for Python {
 
     fn comment(&self, text: &str) -> String {
         format!("# {text}")
+    }
+
+    fn loops(&self) -> Option<&dyn Loops> {
+        Some(self)
     }
 
     fn bind(&self, name: &str, value: &str) -> String {

@@ -13,8 +13,10 @@ use super::dialect::{Dialect, Family, Meant};
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {
     Number(Number),
-    /// Numbers row by row, and how many there are along each axis.
+    /// Numbers that the caller gives, row by row, and how many there are along each axis.
     Array(Rc<[usize]>, Rc<[Number]>),
+    /// Numbers of the function's own.
+    List(Rc<[Number]>),
     /// This many numbers, which are given one by one: those of `Reader::kept`.
     Kept(usize),
 }
@@ -286,11 +288,17 @@ impl<'t> Reader<'_, 't> {
         match value {
             Value::Number(number) => Ok(Some(number)),
             Value::Array(lengths, numbers) => {
-                let place = self.index(path, &lengths)?;
+                // What a caller gives has axes of batches in front.
+                let has_batches = self.dialect.family == Family::Python && !path.contains('.');
+                let place = self.index(&lengths, has_batches)?;
+                Ok(Some(numbers[place]))
+            }
+            Value::List(numbers) => {
+                let place = self.index(&[numbers.len()], false)?;
                 Ok(Some(numbers[place]))
             }
             Value::Kept(count) => {
-                let place = self.index(path, &[count])?;
+                let place = self.index(&[count], false)?;
                 match self.kept.get(path).and_then(|numbers| numbers[place]) {
                     Some(number) => Ok(Some(number)),
                     None => Err(format!("`{path}[{place}]` has no value yet")),
@@ -300,13 +308,12 @@ impl<'t> Reader<'_, 't> {
     }
 
     /// `[i][j]`, `[..., i, j]`, `(i, j)`: the place among all numbers.
-    pub(super) fn index(&mut self, path: &str, lengths: &[usize]) -> Reading<usize> {
+    pub(super) fn index(&mut self, lengths: &[usize], has_batches: bool) -> Reading<usize> {
         let [open, close] = self.dialect.index;
-        let (is_c_like, is_python) = (self.dialect.has_choices, self.dialect.family == Family::Python);
+        let is_c_like = self.dialect.has_choices;
         let mut place = 0;
         self.expect(open)?;
-        // What a caller gives has axes of batches in front.
-        if is_python && !path.contains('.') {
+        if has_batches {
             self.expect("...")?;
             self.expect(",")?;
         }

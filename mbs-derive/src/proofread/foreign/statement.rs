@@ -1,4 +1,4 @@
-//! Statements that give values names: bindings, sines and cosines, loops, branches, fields of the constructor.
+//! Statements that give values names: bindings, arrays, sines and cosines, branches, fields of the constructor.
 
 use std::rc::Rc;
 
@@ -8,10 +8,7 @@ use super::super::numbering::Number;
 use super::super::reading::Reading;
 use super::super::token::Kind;
 use super::dialect::Family;
-use super::expression::{Reader, Turn, Value};
-
-/// How many tokens a loop has before its first statement.
-const BODY_OF_LOOP: usize = 16;
+use super::expression::{Reader, Value};
 
 /// A side of a branch that is open, and what is known of the other one.
 pub(super) struct Side<'t> {
@@ -29,8 +26,8 @@ impl<'t> Reader<'_, 't> {
     pub(super) fn statements(&mut self, is_end: impl Fn(&Self) -> bool) -> Reading<()> {
         let mut sides: Vec<Side<'t>> = Vec::new();
         while !sides.is_empty() || !is_end(self) {
-            if self.peek().is_some_and(|token| token.kind == Kind::Line) {
-                if self.peek().is_some_and(|token| token.text != self.dialect.indent) {
+            if let Some(line) = self.peek().filter(|token| token.kind == Kind::Line) {
+                if line.text.len() != self.column() {
                     return Err("a line begins in another column than its block".to_string());
                 }
                 self.at += 1;
@@ -40,13 +37,19 @@ impl<'t> Reader<'_, 't> {
         Ok(())
     }
 
+    /// How far to the right statements begin, where that has a meaning.
+    pub(super) fn column(&self) -> usize {
+        let within = if self.dialect.family == Family::Python && self.turn.is_some() { 4 } else { 0 };
+        self.dialect.indent.len() + within
+    }
+
     fn statement(&mut self, sides: &mut Vec<Side<'t>>) -> Reading<()> {
         let family = self.dialect.family;
         let Some(token) = self.peek() else { return self.unknown() };
         match (family, token.text) {
             (Family::C, "const") => self.constant_of_c(sides),
             (Family::C, "static") if sides.is_empty() => self.table(sides),
-            (Family::C, "for") if sides.is_empty() => self.repeated(),
+            (_, "for") if sides.is_empty() => self.repeated(),
             (Family::C, "mbs_real") | (Family::Js, "let") => self.declared(sides),
             (Family::C | Family::Js, "}") => self.end_of_side(sides),
             (Family::Matlab, "else" | "end") => self.end_of_side(sides),
@@ -55,6 +58,7 @@ impl<'t> Reader<'_, 't> {
                 self.at += 1;
                 match self.is_next("[") {
                     true => self.pair(sides),
+                    false if self.is_array() => self.array_of_script(sides),
                     false => self.constant_binding(sides),
                 }
             }
@@ -62,11 +66,15 @@ impl<'t> Reader<'_, 't> {
             (Family::Python, _) if self.tokens.get(self.at + 1).is_some_and(|token| token.is(",")) => self.pair(sides),
             _ if self.is_constructor && token.text.starts_with(self.dialect.own[0]) => self.field(token.text),
             (Family::C | Family::Js, _) => self.assignment(sides),
-            (Family::Python | Family::Matlab, _) => self.binding(sides),
+            (Family::Python | Family::Matlab, name) => match self.names.get(name) {
+                Some(&Value::Kept(count)) if sides.is_empty() => self.keep(name, count),
+                _ if self.is_array() => self.array_of_script(sides),
+                _ => self.binding(sides),
+            },
         }
     }
 
-    fn ended(&mut self) -> Reading<()> {
+    pub(super) fn ended(&mut self) -> Reading<()> {
         match self.dialect.family {
             Family::Python if self.peek().is_none_or(|token| token.kind == Kind::Line) => Ok(()),
             Family::Python => self.unknown(),
@@ -127,7 +135,7 @@ impl<'t> Reader<'_, 't> {
         [Function::Sin, Function::Cos].map(|function| Value::Number(self.numbering.call(function, angle)))
     }
 
-    /// `[sin, cos] = mbs_sin_cos(angle)`, in Python without brackets.
+    /// `[sin, cos] = mbs_sin_cos(angle)`, or `mbs_sin_cos_all(angles)`; in Python without brackets.
     fn pair(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
         let has_brackets = self.takes("[");
         let sin = self.name()?;
@@ -137,13 +145,46 @@ impl<'t> Reader<'_, 't> {
             self.expect("]")?;
         }
         self.expect("=")?;
-        let angle = self.angle()?;
+        let values = match self.has_all() {
+            true => {
+                ["mbs_sin_cos_all", "("].into_iter().try_for_each(|word| self.expect(word))?;
+                let angles = self.angles()?;
+                self.sines_and_cosines(&angles)
+            }
+            false => {
+                let angle = self.angle()?;
+                self.sine_and_cosine(angle)
+            }
+        };
         self.expect(")")?;
-        let values = self.sine_and_cosine(angle);
         for (name, value) in [sin, cos].into_iter().zip(values) {
             self.bind(name, value, sides)?;
         }
         self.ended()
+    }
+
+    /// Whether what comes next computes the sines and cosines of several angles.
+    fn has_all(&self) -> bool {
+        self.dialect.has_pairs() && self.is_next("mbs_sin_cos_all")
+    }
+
+    /// The name of an array or a list that has all of its values.
+    fn angles(&mut self) -> Reading<Rc<[Number]>> {
+        let given = self.name()?;
+        match self.names.get(given) {
+            Some(Value::List(angles)) => Ok(angles.clone()),
+            Some(Value::Kept(_)) => {
+                let angles: Option<Rc<[Number]>> = self.kept.get(given).and_then(|all| all.iter().copied().collect());
+                angles.ok_or_else(|| format!("`{given}` has not all of its values"))
+            }
+            _ => self.unknown(),
+        }
+    }
+
+    fn sines_and_cosines(&mut self, angles: &[Number]) -> [Value; 2] {
+        let mut all =
+            |function| Value::List(angles.iter().map(|&angle| self.numbering.call(function, angle)).collect());
+        [all(Function::Sin), all(Function::Cos)]
     }
 
     /// `mbs_sin_cos(angle`
@@ -162,9 +203,7 @@ impl<'t> Reader<'_, 't> {
         let name = self.tokens.get(self.at + 2).map_or("", |token| token.text);
         self.constant_of_c(sides)?;
         match self.names.get(name) {
-            Some(Value::Array(_, numbers)) if numbers.iter().all(|number| self.numbering.is_constant(*number)) => {
-                Ok(())
-            }
+            Some(Value::List(numbers)) if numbers.iter().all(|number| self.numbering.is_constant(*number)) => Ok(()),
             _ => Err(format!("`{name}` is no table of constants")),
         }
     }
@@ -178,16 +217,74 @@ impl<'t> Reader<'_, 't> {
         }
         let (name, count) = self.array()?;
         self.expect("=")?;
-        self.expect("{")?;
-        let mut numbers = vec![self.expression()?];
-        while self.takes(",") && !self.is_next("}") {
-            numbers.push(self.expression()?);
-        }
-        self.expect("}")?;
+        let numbers = self.numbers(["{", "}"])?;
         if numbers.len() != count {
             return Err(format!("`{name}` has another number of entries"));
         }
-        self.bind(name, Value::list(numbers), sides)?;
+        self.bind(name, Value::List(numbers.into()), sides)?;
+        self.ended()
+    }
+
+    /// `{a, b,}`
+    fn numbers(&mut self, [open, close]: [&str; 2]) -> Reading<Vec<Number>> {
+        let mut numbers = Vec::new();
+        self.expect(open)?;
+        self.row_goes_on()?;
+        while !self.takes(close) {
+            numbers.push(self.expression()?);
+            if !self.takes(",") {
+                self.expect(close)?;
+                break;
+            }
+            self.row_goes_on()?;
+        }
+        Ok(numbers)
+    }
+
+    /// `...` at the end of a line, within brackets of MATLAB.
+    fn row_goes_on(&mut self) -> Reading<()> {
+        if self.dialect.family != Family::Matlab || !self.takes("...") {
+            return Ok(());
+        }
+        match self.peek() {
+            Some(token) if token.kind == Kind::Line => {
+                self.at += 1;
+                Ok(())
+            }
+            _ => self.unknown(),
+        }
+    }
+
+    /// Whether a name is given to an array or a list.
+    fn is_array(&self) -> bool {
+        let word = |ahead: usize| self.tokens.get(self.at + ahead).map_or("", |token| token.text);
+        word(1) == "=" && ["[", "new", "zeros"].contains(&word(2))
+    }
+
+    /// `kept = [0.0] * 2`, `const kept = new Float64Array(2);`, `kept = zeros(1, 2);`, or `angles = [a, b]`.
+    fn array_of_script(&mut self, sides: &mut [Side<'t>]) -> Reading<()> {
+        let name = self.name()?;
+        self.expect("=")?;
+        let begins: &[&str] = match self.dialect.family {
+            Family::C => return self.unknown(),
+            Family::Js => &["new", "Float64Array", "("],
+            Family::Python => &["[", "0.0", "]", "*"],
+            Family::Matlab => &["zeros", "(", "1", ","],
+        };
+        let coming = self.tokens.iter().skip(self.at).map(|token| token.text);
+        let value = match coming.take(begins.len()).eq(begins.iter().copied()) {
+            true => {
+                begins.iter().try_for_each(|word| self.expect(word))?;
+                let count = self.integer()?;
+                if self.dialect.family != Family::Python {
+                    self.expect(")")?;
+                }
+                self.kept.insert(name.to_string(), vec![None; count]);
+                Value::Kept(count)
+            }
+            false => Value::List(self.numbers(["[", "]"])?.into()),
+        };
+        self.bind(name, value, sides)?;
         self.ended()
     }
 
@@ -213,92 +310,15 @@ impl<'t> Reader<'_, 't> {
         self.expect("(")?;
         let called = self.integer()?;
         self.expect(",")?;
-        let given = self.name()?;
-        let angles = match self.names.get(given) {
-            Some(Value::Array(lengths, angles))
-                if [count, other, called] == [angles.len(); 3] && lengths.len() == 1 =>
-            {
-                angles.clone()
-            }
-            Some(Value::Kept(length)) if [count, other, called] == [*length; 3] => {
-                let angles: Option<Rc<[Number]>> = self.kept.get(given).and_then(|all| all.iter().copied().collect());
-                angles.ok_or_else(|| format!("`{given}` has not all of its values"))?
-            }
-            _ => return self.unknown(),
-        };
-        [",", sines, ",", cosines, ")"].into_iter().try_for_each(|word| self.expect(word))?;
-        for (name, function) in [(sines, Function::Sin), (cosines, Function::Cos)] {
-            let values = angles.iter().map(|&angle| self.numbering.call(function, angle)).collect();
-            self.bind(name, Value::list(values), sides)?;
-        }
-        self.ended()
-    }
-
-    // ---- loops
-
-    /// `name[i] = value;` of an array whose numbers are given one by one, each once.
-    fn keep(&mut self, name: &'t str, count: usize) -> Reading<()> {
-        self.at += 1;
-        let place = self.index(name, &[count])?;
-        self.expect("=")?;
-        let value = self.expression()?;
-        match self.kept.get_mut(name).map(|numbers| numbers[place].replace(value)) {
-            Some(None) => self.ended(),
-            _ => Err(format!("`{name}[{place}]` has a value already")),
-        }
-    }
-
-    /// Whether what comes next is written to an array of the caller: `result[…`, or
-    /// `for (int i = 0; i < 9; i += 1) { result[…`.
-    pub(super) fn is_storing(&self, array: &str) -> bool {
-        let ahead = if self.is_next("for") { BODY_OF_LOOP } else { 0 };
-        self.tokens.get(self.at + ahead).is_some_and(|token| token.is(array))
-    }
-
-    /// The numbers that a loop writes to an array of the caller.
-    pub(super) fn kept_in_loop(&mut self, array: &str, count: usize) -> Reading<Vec<Number>> {
-        self.names.insert(array.to_string(), Value::Kept(count));
-        self.kept.insert(array.to_string(), vec![None; count]);
-        self.repeated()?;
-        self.names.remove(array);
-        let numbers: Option<Vec<Number>> = self.kept.remove(array).into_iter().flatten().collect();
-        numbers.ok_or_else(|| format!("`{array}` has not all of its values"))
-    }
-
-    /// `for (int i = 1; i < 9; i += 1) { … }`, or `for (int i = 7; i >= 1; i -= 1) { … }`: read once for each turn.
-    fn repeated(&mut self) -> Reading<()> {
-        if self.turn.is_some() {
+        let angles = self.angles()?;
+        if [count, other, called] != [angles.len(); 3] {
             return self.unknown();
         }
-        ["for", "(", "int"].into_iter().try_for_each(|word| self.expect(word))?;
-        let index = self.name()?;
-        if self.names.contains_key(index) {
-            return Err(format!("`{index}` has a value already"));
+        [",", sines, ",", cosines, ")"].into_iter().try_for_each(|word| self.expect(word))?;
+        for (name, values) in [sines, cosines].into_iter().zip(self.sines_and_cosines(&angles)) {
+            self.bind(name, values, sides)?;
         }
-        self.expect("=")?;
-        let first = self.integer()?;
-        [";", index].into_iter().try_for_each(|word| self.expect(word))?;
-        let is_inwards = self.takes(">=");
-        if !is_inwards {
-            self.expect("<")?;
-        }
-        let end = self.integer()?;
-        let onwards = if is_inwards { "-=" } else { "+=" };
-        [";", index, onwards, "1", ")", "{"].into_iter().try_for_each(|word| self.expect(word))?;
-        let values: Vec<usize> = if is_inwards { (end..=first).rev().collect() } else { (first..end).collect() };
-        if values.is_empty() {
-            return Err("a loop has no turns".to_string());
-        }
-        let start = self.at;
-        for value in values {
-            self.at = start;
-            self.turn = Some(Turn { index, value, bound: Vec::new() });
-            self.statements(|reader| reader.is_next("}"))?;
-            for name in self.turn.take().into_iter().flat_map(|turn| turn.bound) {
-                self.names.remove(name);
-            }
-        }
-        self.expect("}")
+        self.ended()
     }
 
     // ---- branches

@@ -174,6 +174,24 @@ fn damaged_texts_of_other_languages_are_refused() {
     }
 }
 
+#[test]
+fn damaged_loops_are_refused() {
+    let text = "mechanism Chain {
+        coord q[26]: rad;
+        let mut link = world;
+        for i in 0..26 {
+            link = link * rot_z(q[i]) * rot_x(1) * translation([1 m, 0, 0]);
+            kinetic += particle(2 kg, link.point([1 m, 2 m, 0]));
+        }
+    }";
+    let derivation = derived(std::path::Path::new("chain.mbs"), text.to_string());
+    let options = Options::default().functions(["inverse_dynamics"]);
+    for language in [Language::C, Language::Js, Language::Python, Language::Matlab] {
+        let refused = damage(&derivation, language, &options, 100);
+        assert!(refused.values().sum::<usize>() > 33, "{}", language.name());
+    }
+}
+
 /// Operands of a product may change places, those of a quotient not; and a report says where and what.
 #[test]
 fn what_has_the_same_value_is_told_from_what_has_not() {
