@@ -149,7 +149,7 @@ fn links_of_a_long_chain_are_loops() {
 const LOOPS: [(Language, [&str; 2]); 3] = [
     (Language::Js, ["for (let i = 1; i < ", "i -= 1) {"]),
     (Language::Python, ["for i in range(", "for i in reversed(range("]),
-    (Language::Matlab, ["for m_i = 1:", ":-1:"]),
+    (Language::Matlab, ["for k = 1:", ":-1:"]),
 ];
 
 /// Every function that the language of mechanisms has.

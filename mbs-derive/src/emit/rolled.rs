@@ -11,7 +11,7 @@
 //! - `group`: statements by their links, and which of them are alike;
 //! - `run`: groups that repeat;
 //! - `form`: how what differs between the turns of a loop is written;
-//! - `printer`: the loops, in all languages alike but for how a number of a table is read;
+//! - `printer`: the loops, in all languages alike but for how a component is written;
 //! - `lines`: how a language writes them.
 
 mod form;

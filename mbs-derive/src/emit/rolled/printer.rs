@@ -31,6 +31,8 @@ pub(super) struct Printer<'p> {
     angles: String,
     results: String,
     index: String,
+    /// What lists are called.
+    list: &'static str,
     scope: Scope,
     locals: Vec<String>,
     texts: BTreeMap<String, usize>,
@@ -49,8 +51,10 @@ impl<'p> Printer<'p> {
     ) -> Self {
         let mut scope = body.scope.clone();
         let run_of = run_of(groups, runs);
-        let [index, angles, results] = ["i", "angles", "results"].map(|name| scope.unique(name));
-        let index = loops.identifier(&index);
+        // The first of these that the language has no other use for.
+        let free = |names: [&'static str; 2]| names[usize::from(loops.identifier(names[0]) != names[0])];
+        let list = free(["values", "listed"]);
+        let [index, angles, results] = [free(["i", "k"]), "angles", "results"].map(|name| scope.unique(name));
         let mut read: BTreeSet<Family> = [0, 1].map(Family::OfAngles).into();
         for leaf in groups.all.iter().flat_map(|group| &group.leaves) {
             if let Tree::Local(local) = leaf {
@@ -91,6 +95,7 @@ impl<'p> Printer<'p> {
             angles,
             results,
             index,
+            list,
             scope,
             locals,
             texts,
@@ -325,7 +330,7 @@ impl<'p> Printer<'p> {
 
     /// The name of a list of these values.
     fn list(&mut self, values: &[Tree]) -> String {
-        named(&mut self.lists, values, || self.scope.unique("values"))
+        named(&mut self.lists, values, || self.scope.unique(self.list))
     }
 }
 

@@ -113,7 +113,7 @@ fn emitted_of(text: &str, language: Language, mutations: &[(&str, &str)]) -> (St
         Language::Rust => "for i in (",
         Language::Js => "for (let i = ",
         Language::Python => "for i in ",
-        Language::Matlab => "for m_i = ",
+        Language::Matlab => "for k = ",
         _ => "for (int i = ",
     };
     let is_right = |(from, to): &(&str, &str)| {
@@ -211,10 +211,10 @@ fn loops_of_scripts_are_read_again_turn_by_turn() {
     let of_matlab = [
         (":-1:", ":-2:"),
         (":38", ":37"),
-        ("(m_i + 1)", "(m_i)"),
-        ("(m_i)", "(m_i + 1)"),
+        ("(k + 1)", "(k)"),
+        ("(k)", "(k + 1)"),
         (" = sines", " = cosines"),
-        ("q(m_i", "qd(m_i"),
+        ("q(k", "qd(k"),
         ("\nend\n", "\n"),
         ("results(2)", "results(3)"),
     ];
@@ -270,8 +270,7 @@ fn parameters_of_each_link_come_from_lists() {
     assert!(in_c.contains("const mbs_real values[") && in_c.len() < code.len());
     assert_eq!(right, [false; 7]);
     let scripts = [Language::Js, Language::Python, Language::Matlab];
-    for (script, list) in
-        written(&rope(40), &scripts).iter().zip(["const values = [", "py_values = [", "values = [ ..."])
+    for (script, list) in written(&rope(40), &scripts).iter().zip(["const values = [", "listed = [", "values = [ ..."])
     {
         assert!(script.contains(list) && script.len() < code.len());
     }
