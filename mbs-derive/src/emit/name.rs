@@ -70,8 +70,10 @@ const LONGEST: usize = 24;
 pub(super) fn identifier(name: &str) -> String {
     let plain: String = name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     let plain = if plain.starts_with(|c: char| c.is_ascii_digit()) { format!("_{plain}") } else { plain };
-    let valid = plain != "gen" && syn::parse_str::<syn::Ident>(&plain).is_ok();
-    if valid { plain } else { format!("{plain}_") }
+    // Keywords have letters alone, at most eight: syn is not asked about other names.
+    let may_be_keyword = plain.len() <= 8 && plain.bytes().all(|c| c.is_ascii_alphabetic());
+    let is_keyword = may_be_keyword && syn::parse_str::<Ident>(&plain).is_err();
+    if is_keyword || ["_", "gen"].contains(&plain.as_str()) { format!("{plain}_") } else { plain }
 }
 
 /// The identifier for a name that users of the code write: `r#type` of a keyword, which is as near as Rust comes to it;
@@ -384,6 +386,15 @@ mod tests {
             [("theta", "theta"), ("match", "match_"), ("gen", "gen_"), ("self", "self_"), ("2nd", "_2nd"), ("µ", "__")]
         {
             assert_eq!(identifier(name), expected);
+        }
+        // All keywords, and those that are kept for later.
+        for keyword in
+            "Self abstract as async await become box break const continue crate do dyn else enum extern false \
+            final fn for if impl in let loop macro match mod move mut override priv pub ref return static struct super \
+            trait true try type typeof unsafe unsized use virtual where while yield"
+                .split_whitespace()
+        {
+            assert_eq!(identifier(keyword), format!("{keyword}_"));
         }
     }
 
