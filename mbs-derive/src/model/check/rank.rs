@@ -12,6 +12,8 @@ pub(in crate::model) struct VelocityEquations {
     rows: Tape,
     /// The coordinates that each row depends on, or whose rates it does, and the row by itself.
     each: Vec<(Vec<usize>, Tape)>,
+    /// Whether values of a row at some points say nothing about others.
+    in_pieces: Vec<bool>,
     kinds: Vec<ConstraintKind>,
     /// Of each row the number of its constraint, and its own number there.
     owners: Vec<(usize, usize)>,
@@ -27,9 +29,11 @@ impl VelocityEquations {
         let all =
             || lagrangian.constraints.iter().enumerate().flat_map(|(i, c)| (0..c.rows.len()).map(move |k| (i, k)));
         let rows: Vec<Expr<'_>> = all().map(|(i, k)| lagrangian.constraints[i].rows[k]).collect();
+        let each: Vec<_> = rows.iter().map(|row| Tape::new(&[*row])).map(|tape| (tape.coordinates(), tape)).collect();
         VelocityEquations {
             rows: Tape::new(&rows),
-            each: rows.iter().map(|row| Tape::new(&[*row])).map(|tape| (tape.coordinates(), tape)).collect(),
+            in_pieces: each.iter().map(|(_, tape)| tape.has_pieces()).collect(),
+            each,
             kinds: all().map(|(i, _)| lagrangian.constraints[i].kind).collect(),
             owners: all().collect(),
             vectors: lagrangian.constraint_vectors(),
@@ -115,11 +119,17 @@ impl VelocityEquations {
         }
         let matrices: Vec<Vec<Vec<f64>>> = lines.iter().map(|line| self.pfaffian(line, n)).collect();
         let finite: Vec<_> = matrices.into_iter().filter(|rows| rows.iter().flatten().all(|x| x.is_finite())).collect();
-        let shares: Vec<Vec<f64>> = finite.iter().map(|rows| shares_of_their_own(rows, n)).collect();
-        let largest = |row: usize| shares.iter().map(|shares| shares[row]).fold(0.0, f64::max);
+        let shares = |all: bool| -> Vec<Vec<f64>> {
+            let enters = |row: usize| all || !self.in_pieces[row];
+            finite.iter().map(|rows| shares_of_their_own(rows, n, enters)).collect()
+        };
+        let largest = |shares: &[Vec<f64>], row: usize| shares.iter().map(|here| here[row]).fold(0.0, f64::max);
+        let among_all = shares(true);
         let doubtful: Vec<usize> =
-            (0..self.owners.len()).filter(|&row| !shares.is_empty() && largest(row) <= DOUBTFUL).collect();
-        let is_sure = |row: usize| largest(row) <= ROUNDING && !self.rows.has_pieces();
+            (0..self.owners.len()).filter(|&row| !finite.is_empty() && largest(&among_all, row) <= DOUBTFUL).collect();
+        // What follows from rows without pieces does so everywhere.
+        let among_smooth = if self.in_pieces.contains(&true) { shares(false) } else { among_all };
+        let is_sure = |row: usize| !self.in_pieces[row] && largest(&among_smooth, row) <= ROUNDING;
         if doubtful.iter().all(|&row| is_sure(row)) {
             return doubtful;
         }
@@ -135,7 +145,7 @@ impl VelocityEquations {
     /// nothing has a value.
     fn dependent_in_field<const K: usize>(&self, lines: &[Line], n: usize) -> Option<Vec<usize>> {
         const TRIED: u64 = 16;
-        let (points, tried) = if self.rows.has_pieces() { (64, 4 * TRIED) } else { (1, TRIED) };
+        let (points, tried) = if self.in_pieces.contains(&true) { (64, 4 * TRIED) } else { (1, TRIED) };
         let line = lines.first()?;
         let echelons = (0..tried).filter_map(|point| Echelon::of(self.pfaffian_in_field::<K>(line, point, n)));
         let dependent = echelons.take(points).map(|echelon| echelon.dependent_rows().to_vec());
@@ -143,14 +153,14 @@ impl VelocityEquations {
     }
 }
 
-/// Of each row the share of its length that those before it do not have, by orthogonalization; 1 where they are n
-/// already.
-fn shares_of_their_own(rows: &[Vec<f64>], n: usize) -> Vec<f64> {
+/// Of each row that enters the share of its length that those before it do not have, by orthogonalization; 1 where they
+/// are n already, and of rows that do not enter.
+fn shares_of_their_own(rows: &[Vec<f64>], n: usize, enters: impl Fn(usize) -> bool) -> Vec<f64> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     let mut shares = Vec::new();
-    for row in rows {
-        if basis.len() == n {
+    for (number, row) in rows.iter().enumerate() {
+        if basis.len() == n || !enters(number) {
             shares.push(1.0);
             continue;
         }
@@ -286,6 +296,17 @@ mod tests {
             "row 1 of 2 of the constraint `b` follows from the other rows, or contradicts them; keep its other rows only",
         );
         check("constraint a: abs(x) = l; constraint b: 2*abs(x) = 2*l;", "the constraint `b` follows from the others");
+        // Rows with pieces beside it change nothing.
+        for beside in ["max(z - 50*l, 0) = 0", "sqrt(x^2 + z^2) = 3*l"] {
+            check(
+                &format!("constraint a: x = y; constraint b: {beside}; constraint c: 2*x = 2*y;"),
+                "the constraint `c` follows from the others",
+            );
+        }
+        check(
+            "constraint a: sqrt(x^2 + l^2) = 2*l; constraint b: 3*sqrt(x^2 + l^2) = 6*l;",
+            "the constraint `b` follows",
+        );
         for regular in [
             // The units of coordinates alone make rows nearly parallel.
             "constraint a: 1e12*x + y = 0; constraint b: 1e12*x + 2*y = z;",
