@@ -386,11 +386,18 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Value::Array(array), Some(length)) => {
                 self.check_length(array.values().len(), length, &expression.span).map(|()| value)
             }
-            (Value::Vector(_), Some(3)) => {
+            (Value::Vector(_), Some(length)) => {
+                self.check_length(3, length, &expression.span)?;
                 let elements = self.elements(&Argument { value, span: expression.span.clone() })?;
                 self.array(elements, &expression.span)
             }
-            (_, Some(length)) => self.array(vec![value; length], &expression.span),
+            (Value::Scalar(_), Some(length)) => self.array(vec![value; length], &expression.span),
+            (_, Some(length)) => {
+                let name = &quantity.name.text;
+                let message = format!("`{name}` is an array of {length}, this is {}", value.described());
+                let help = format!("leave `[{length}]` out, or write `[…, …]` with {length} elements");
+                Err(self.refuse(Code::CountOfValues, &expression.span, message, help))
+            }
             (_, None) => Ok(value),
         }
     }
