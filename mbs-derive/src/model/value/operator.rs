@@ -425,7 +425,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return self.rational_power(base, numerator, denominator, (&a.span, &b.span), span);
         }
         let dimension = self.dimension_of_power(base.dimension, constant, &b.span)?;
-        if self.known.facts.constant(base.expr).is_some_and(Number::is_negative) {
+        let known_base = self.known.facts.constant(base.expr);
+        if known_base.is_some_and(Number::is_zero) && self.known.facts.dependence(exponent).moves() {
+            let message = "zero has no power with an exponent that changes";
+            return Err(self.refuse(Code::NotFinite, &a.span, message, "it is 0 where the exponent is positive"));
+        }
+        if known_base.is_some_and(Number::is_negative) {
             let message = "a negative number has no power with this exponent";
             return Err(self.refuse(
                 Code::NotFinite,

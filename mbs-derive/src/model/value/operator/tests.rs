@@ -67,6 +67,9 @@ fn dimensions_follow_the_operators() {
         "let a = (-2)^0.3;",
         "(-2): a negative number has no power with this exponent; integers and halves are exponents for any base",
     );
+    let changes = "zero has no power with an exponent that changes; it is 0 where the exponent is positive";
+    refused("let a = (sin(pi))^theta;", &format!("(sin(pi)): {changes}"));
+    refused("let a = 0^(u/(1 N));", &format!("0: {changes}"));
 }
 
 #[test]
@@ -76,6 +79,7 @@ fn powers() {
         &[8.0, 0.5, 2f64.sqrt(), 2f64.powf(0.3), 2f64.powf(0.4)],
         "powers",
     );
+    near(&value("param p: 1 = 2;", "[sin(pi)^0.3, 0^0.3]"), &[0.0, 0.0], "powers of zero");
 }
 
 #[test]
