@@ -129,6 +129,25 @@ impl Sources {
         sources
     }
 
+    /// The same files, the mechanism's own with another text that imports no others.
+    ///
+    /// ```
+    /// use mbs_derive::source::Sources;
+    /// let import = "import \"g.mbs\";";
+    /// let sources = Sources::gather("a.mbs", import, |_| Ok(b"const g = 9;".to_vec()));
+    /// let other = sources.with_text(&format!("{import} mechanism A {{ coord x: m; }}"));
+    /// assert_eq!(other.names().collect::<Vec<_>>(), ["a.mbs", "g.mbs"]);
+    /// assert_eq!((other.imported(0, "g.mbs"), other.file(1).start), (Some(1), 46));
+    /// ```
+    #[must_use]
+    pub fn with_text(&self, text: &str) -> Self {
+        let mut sources = Sources::new(&self.main().name, text);
+        for file in &self.files[1..] {
+            sources.push(file.name.clone(), file.text.clone(), file.warnings.clone());
+        }
+        sources
+    }
+
     /// No text, but the calls that a mechanism was written by, in a file of this name.
     pub(crate) fn of_calls(name: &str, calls: Vec<Place>) -> Self {
         Sources { calls, ..Sources::new(name, "") }

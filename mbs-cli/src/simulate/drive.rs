@@ -184,12 +184,7 @@ impl Drives<'_> {
         for (place, addition) in insertions {
             changed.insert_str(place, &addition);
         }
-        let imports = |name: &str| {
-            let known = (0..sources.count()).map(|i| sources.file(i)).find(|file| file.name == name);
-            let missing = || mbs_derive::source::Unreadable::new("it is not there", "");
-            known.map_or_else(|| Err(missing()), |file| file.text.clone().map(String::into_bytes))
-        };
-        Ok(Sources::gather(&sources.main().name, &changed, imports))
+        Ok(sources.with_text(&changed))
     }
 
     /// What gives the inputs and signals of a mechanism that was declared [so](Self::declared).

@@ -45,6 +45,12 @@ fn imported_robots_move_with_inputs_by_formulas() {
     let arguments =
         ["simulate", "held_crane.mbs", "--state", state, "--t-end", "0.1", "--input", "luff_torque=3*sin(2*t)"];
     assert!(workshop.good(&arguments).starts_with("t,luff"));
+    // Warnings about the robot's file stay.
+    workshop.write("crane.urdf", block("crane.urdf").replace("rpy=\"0 1.57079632679 0\"", "rpy=\"0 90 0\""));
+    for count in [arguments.len() - 2, arguments.len()] {
+        let stderr = workshop.mbs(&arguments[..count]).stderr;
+        assert!(stderr.starts_with("warning[MBS0310]: crane.urdf:10:29: the attitude of a visual"), "{stderr}");
+    }
 }
 
 #[test]
