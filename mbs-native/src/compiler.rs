@@ -57,10 +57,16 @@ impl Compilers {
         self.ready().map(|(path, _)| path).collect()
     }
 
-    /// Those that are there, each to be called with more arguments.
+    /// All of them, with their arguments, whether they are there or not.
+    pub fn names(&self) -> Vec<String> {
+        let name = |command: &Vec<OsString>| command.join(OsStr::new(" ")).to_string_lossy().into_owned();
+        self.commands.iter().map(name).collect()
+    }
+
+    /// Those that are there, each to be called with more arguments, in whichever folder.
     pub fn commands(&self) -> Vec<Command> {
         let command = |(path, arguments): (PathBuf, &[OsString])| {
-            let mut command = Command::new(path);
+            let mut command = Command::new(std::path::absolute(&path).unwrap_or(path));
             command.args(arguments);
             command
         };
@@ -86,9 +92,7 @@ impl Compilers {
     pub(crate) fn made(&self, text: &str, folder: &Path) -> Result<PathBuf, NotCompiled> {
         let ready: Vec<_> = self.ready().collect();
         if ready.is_empty() {
-            let names =
-                self.commands.iter().map(|command| command.join(OsStr::new(" ")).to_string_lossy().into_owned());
-            return Err(NotCompiled::NoCompiler { names: names.collect() });
+            return Err(NotCompiled::NoCompiler { names: self.names() });
         }
         let folder = opened(folder).map_err(|error| NotCompiled::Folder { folder: folder.to_path_buf(), error })?;
         let mut reports = Vec::new();

@@ -1,6 +1,6 @@
 //! The shared library of an FMU, by the system's C compiler.
 
-use mbs_native::Compilers;
+use mbs_native::{Compilers, NotCompiled};
 
 use super::Fmi;
 use crate::failure::Failure;
@@ -42,10 +42,8 @@ pub(super) fn compiled(
     let cannot = |error: &dyn std::fmt::Display| Failure::new(format_args!("cannot compile the FMU: {error}"));
     let compilers = compiler.map_or_else(Compilers::of_environment, Compilers::named);
     let Some(mut command) = compilers.commands().into_iter().next() else {
-        return match compiler {
-            Some(name) => Err(cannot(&format_args!("there is no C compiler `{name}`"))),
-            None => without("there is no C compiler"),
-        };
+        let missing = NotCompiled::NoCompiler { names: compilers.names() };
+        return if compiler.is_some() { Err(cannot(&missing)) } else { without(&missing.to_string()) };
     };
     let folder = tempfile::tempdir().map_err(|error| cannot(&error))?;
     for (name, text) in sources {

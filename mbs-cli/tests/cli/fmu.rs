@@ -365,6 +365,10 @@ fn libraries_are_compiled_where_there_is_a_compiler() {
     let words = "warning: there is no C compiler; the FMU has sources only\n";
     assert!(code == 0 && (stderr == words || !cfg!(target_os = "linux")), "{stderr}");
     assert!(entries(&workshop, "a.fmu").iter().all(|(name, _)| !name.starts_with("binaries")));
+    let mut missing = command(workshop.0.path(), &["fmu", "pendulum.mbs", "--out", "a.fmu"]);
+    let Outcome { stderr, .. } = Outcome::of(missing.env_remove("MBS_CC").env("CC", "no-such -m64").output().unwrap());
+    let words = "warning: there is no C compiler `no-such -m64`; the FMU has sources only\n";
+    assert!(stderr == words || !cfg!(target_os = "linux"), "{stderr}");
     if cfg!(all(target_os = "linux", target_arch = "x86_64")) {
         std::fs::remove_file(workshop.path("a.fmu")).unwrap();
         let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "false", "--out", "a.fmu"]);
@@ -377,6 +381,12 @@ fn libraries_are_compiled_where_there_is_a_compiler() {
             assert!(library.0 == "binaries/linux64/pendulum.so" && library.1.starts_with(b"\x7fELF"));
             let first = std::fs::read(workshop.path("a.fmu")).unwrap();
             workshop.good(&["fmu", "pendulum.mbs", "--fmi", "2", "--compiler", "cc -pipe", "--out", "a.fmu"]);
+            assert!(first == std::fs::read(workshop.path("a.fmu")).unwrap(), "the same bytes");
+            // A path is seen from the folder that `mbs` is called in.
+            let script = workshop.path("cc.sh");
+            workshop.write("cc.sh", "#!/bin/sh\nexec cc \"$@\"\n");
+            assert!(Command::new("chmod").arg("+x").arg(script).status().unwrap().success());
+            workshop.good(&["fmu", "pendulum.mbs", "--fmi", "2", "--compiler", "./cc.sh", "--out", "a.fmu"]);
             assert!(first == std::fs::read(workshop.path("a.fmu")).unwrap(), "the same bytes");
         }
     }
