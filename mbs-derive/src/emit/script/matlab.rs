@@ -394,3 +394,72 @@ fn ending(walk: &Walk<'_>, routine: &Routine, results: &[String]) -> Vec<String>
 fn comment(lines: &[String]) -> String {
     lines.iter().map(|line| format!("% {line}").trim_end().to_string() + "\n").collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::expr::{Binary, Function};
+
+    /// A line without its comment and what it quotes; a quotation mark behind a value turns it.
+    fn without_texts(line: &str) -> String {
+        let (mut kept, mut quoted) = (String::new(), false);
+        for c in line.chars() {
+            let turns = kept.ends_with(|before: char| before.is_alphanumeric() || "_)]}.'".contains(before));
+            match c {
+                '\'' if quoted => quoted = false,
+                '\'' if !turns => quoted = true,
+                '%' if !quoted => break,
+                _ if !quoted => kept.push(c),
+                _ => {}
+            }
+        }
+        kept
+    }
+
+    /// Its names, but those of fields, each with whether it is given a value on this line.
+    fn names(line: &str) -> Vec<(&str, bool)> {
+        let is_letter = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        let head = line.find(" = ").unwrap_or(if line.starts_with("function") { line.len() } else { 0 });
+        let mut found = Vec::new();
+        let mut at = 0;
+        for word in line.split(|c: char| !is_letter(c)) {
+            let end = at + word.len();
+            let is_field = line[..at].ends_with('.');
+            if word.starts_with(|c: char| c.is_ascii_alphabetic()) && !is_field {
+                let is_parameter = line.starts_with("function") || line[..at].trim_end().ends_with("for");
+                found.push((word, end <= head || is_parameter));
+            }
+            at = end + 1;
+        }
+        found
+    }
+
+    #[test]
+    fn what_files_call_no_mechanism_is_called() {
+        let text: Vec<String> = SHARED.lines().map(|line| without_texts(line.trim_start())).collect();
+        let mut called: BTreeSet<&str> = BTreeSet::new();
+        for function in text.chunk_by(|_, next| !next.starts_with("function ")) {
+            let all: Vec<(&str, bool)> = function.iter().flat_map(|line| names(line)).collect();
+            let assigned: BTreeSet<&str> = all.iter().filter(|(_, gets)| *gets).map(|(name, _)| *name).collect();
+            called.extend(all.iter().map(|(name, _)| *name).filter(|name| !assigned.contains(name)));
+        }
+        let known: BTreeSet<&str> = TAKEN.split(' ').chain(CALLED.split(' ')).collect();
+        let unknown: Vec<_> =
+            called.iter().filter(|n| !n.starts_with("mbs_") && !is_keyword(n) && !known.contains(**n)).collect();
+        assert_eq!(unknown, [&""; 0]);
+        let idle: Vec<&str> = CALLED.split(' ').filter(|name| !called.contains(name) && *name != "nargin").collect();
+        assert_eq!(idle, [""; 0]);
+        let elementary = Function::ALL.iter().map(|f| f.name()).chain(Binary::ALL.iter().map(|f| f.name()));
+        for name in elementary {
+            let call = Matlab.call(name, &["x".to_string()]);
+            let head = call.split(|c: char| !c.is_alphanumeric() && c != '_').find(|word| word.len() > 1).unwrap();
+            let head = if name == "sech" { "cosh" } else { head };
+            assert!(head.starts_with("mbs_") || known.contains(head), "{call}");
+        }
+        for name in known {
+            assert_eq!(file(name), format!("m_{name}"));
+        }
+    }
+}
