@@ -40,22 +40,28 @@ impl<'d, 'g> Resolver<'d, 'g> {
         self.index(&index, limit).map(Some)
     }
 
-    /// One more element of what is known by this name; `what` it is, such as "output".
-    pub(in crate::model) fn joined(
+    /// One more element of the family of this name; `what` it is, such as "output".
+    pub(in crate::model) fn join(
         &mut self,
-        mut family: Family,
+        family: impl Fn(&mut Self) -> &mut Family,
         name: &Name,
         number: Option<usize>,
         what: &str,
-    ) -> Resolved<Family> {
+    ) -> Resolved<()> {
         let text = &name.text;
-        if family.is_array != number.is_some() {
+        let Family { name: first, is_array, elements } = family(self);
+        if *is_array != number.is_some() {
+            let first = first.span.clone();
             let message = format!("`{text}` is both one {what} and an array");
             let help = "give all of them an index, or another name".to_string();
-            return Err(self.refuse_twice(&name.span, message, help, family.name.span));
+            return Err(self.refuse_twice(&name.span, message, help, first));
         }
-        match (family.elements.insert(number.unwrap_or(0), name.span.clone()), number) {
-            (None, _) => Ok(family),
+        let element = number.unwrap_or(0);
+        match (elements.get(&element).cloned(), number) {
+            (None, _) => {
+                elements.insert(element, name.span.clone());
+                Ok(())
+            }
             (Some(first), None) if first == name.span => {
                 let message = format!("each turn of the loop declares {} `{text}`", with_article(what));
                 let help = format!("give it an index: `{what} {text}[i]`, which runs from 0");

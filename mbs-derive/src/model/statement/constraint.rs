@@ -64,8 +64,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn note_constraint(&mut self, name: &Name, number: Option<usize>) -> Resolved<()> {
         match self.found.constraints.iter().position(|family| family.name.text == name.text) {
             Some(known) => {
-                let family = self.found.constraints[known].clone();
-                self.found.constraints[known] = self.joined(family, name, number, "constraint")?;
+                self.join(|resolver| &mut resolver.found.constraints[known], name, number, "constraint")?;
             }
             None => self.found.constraints.push(Family::new(name, number)),
         }

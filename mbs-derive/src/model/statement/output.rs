@@ -65,8 +65,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let known = self.found.functions_of_outputs.get(&name.text).copied();
         match known.filter(|&known| self.found.outputs[known].family.name.text == name.text) {
             Some(known) if self.found.outputs[known].family.is_array || number.is_some() || self.is_in_a_loop() => {
-                let family = self.found.outputs[known].family.clone();
-                self.found.outputs[known].family = self.joined(family, name, number, "output")?;
+                self.join(|resolver| &mut resolver.found.outputs[known].family, name, number, "output")?;
                 Ok(known)
             }
             _ => {

@@ -154,8 +154,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
         match self.found.joints.iter().position(|joint| joint.family.name.text == name.text) {
             Some(known) => {
-                let family = self.found.joints[known].family.clone();
-                self.found.joints[known].family = self.joined(family, name, number, "reaction")?;
+                self.join(|resolver| &mut resolver.found.joints[known].family, name, number, "reaction")?;
             }
             None => {
                 self.check_reaction_name(name)?;
