@@ -5,9 +5,9 @@
 //! report names the call, by file, line and column, where it would underline a text. What a message calls `at_12_9` is
 //! the value that the call at line 12, column 9 gave.
 //!
-//! Loops, functions and parts are those of Rust. There are no matrices but the six entries of an inertia, no arrays of
-//! constraints, outputs, signals and positive parameters, no shapes, no `jacobian_rate`, no `dh`, no functions of the
-//! library, and one comparison, [`Scalar::below`].
+//! Loops, functions and parts are those of Rust. What the language has besides: matrices other than the six entries of
+//! an inertia; arrays of constraints, outputs, signals and positive parameters; meshes; comparisons other than `<`, which
+//! is [`Scalar::below`].
 //!
 //! ```
 //! use mbs_derive::builder::{Mechanism, Vector, particle};
@@ -342,12 +342,21 @@ impl Mechanism {
     /// `output name = value;`: its value, velocity and Jacobian are generated.
     #[track_caller]
     pub fn output<V: Value>(&mut self, name: &str, value: &V) {
-        let call = self.here(Location::caller());
-        let value = self.value(value.term(), call);
+        self.put_out(name, value.term(), false, self.here(Location::caller()));
+    }
+
+    /// `output name = value, jacobian_rate;`: the rate of its Jacobian is generated, too.
+    #[track_caller]
+    pub fn output_with_jacobian_rate<V: Value>(&mut self, name: &str, value: &V) {
+        self.put_out(name, value.term(), true, self.here(Location::caller()));
+    }
+
+    fn put_out(&mut self, name: &str, value: Term, jacobian_rate: bool, call: Place) {
+        let value = self.value(value, call);
         let (place, docs) = (self.place(call), std::mem::take(&mut self.next));
         if self.one(&format!("output {name} = 1;"), name, &place).is_some() {
-            let name = named(name, &place);
-            self.push(StatementKind::Output { docs, name, index: None, value, jacobian_rate: None }, &place);
+            let (name, jacobian_rate) = (named(name, &place), jacobian_rate.then(|| place.clone()));
+            self.push(StatementKind::Output { docs, name, index: None, value, jacobian_rate }, &place);
         }
     }
 
@@ -365,6 +374,32 @@ impl Mechanism {
             self.push(StatementKind::Reaction { docs, name, index: None, pose, element: Vec::new() }, &place);
         }
         Pose(Term::leaf(Kind::Name(local)))
+    }
+
+    // ---- drawing
+
+    /// `shape pose += box([x, y, z]);`: edges along the axes of the pose, in its middle.
+    #[track_caller]
+    pub fn draw_box(&mut self, pose: &Pose, edges: impl Into<Vector>) {
+        self.shape("box", pose, vec![edges.into().0], self.here(Location::caller()));
+    }
+
+    /// `shape pose += cylinder(radius, length);`: along z.
+    #[track_caller]
+    pub fn draw_cylinder(&mut self, pose: &Pose, radius: impl Into<Scalar>, length: impl Into<Scalar>) {
+        self.shape("cylinder", pose, vec![radius.into().0, length.into().0], self.here(Location::caller()));
+    }
+
+    /// `shape pose += sphere(radius);`
+    #[track_caller]
+    pub fn draw_sphere(&mut self, pose: &Pose, radius: impl Into<Scalar>) {
+        self.shape("sphere", pose, vec![radius.into().0], self.here(Location::caller()));
+    }
+
+    fn shape(&mut self, kind: &str, pose: &Pose, sizes: Vec<Term>, call: Place) {
+        let (pose, sizes) = (self.value(pose.0.clone(), call), sizes.into_iter().map(|size| self.value(size, call)));
+        let (sizes, place) = (sizes.collect(), self.place(call));
+        self.push(StatementKind::Shape { pose, kind: named(kind, &place), file: None, sizes }, &place);
     }
 
     // ---- what the passes read

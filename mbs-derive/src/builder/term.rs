@@ -318,6 +318,34 @@ impl Scalar {
         Scalar(Term::call(Kind::Call("clamp"), vec![self.term(), low.into().0, high.into().0]))
     }
 
+    /// `spring(stiffness, length, rest)`: the energy of a linear spring of this stiffness.
+    #[must_use]
+    #[track_caller]
+    pub fn spring(&self, length: impl Into<Scalar>, rest: impl Into<Scalar>) -> Scalar {
+        Scalar(Term::call(Kind::Call("spring"), vec![self.term(), length.into().0, rest.into().0]))
+    }
+
+    /// `coulomb_stribeck(v, f_c, f_s, v_s, v_eps)`: the friction of this velocity.
+    #[must_use]
+    #[track_caller]
+    pub fn coulomb_stribeck(
+        &self,
+        f_c: impl Into<Scalar>,
+        f_s: impl Into<Scalar>,
+        v_s: impl Into<Scalar>,
+        v_eps: impl Into<Scalar>,
+    ) -> Scalar {
+        let given = vec![self.term(), f_c.into().0, f_s.into().0, v_s.into().0, v_eps.into().0];
+        Scalar(Term::call(Kind::Call("coulomb_stribeck"), given))
+    }
+
+    /// `contact(gap, k, c, rate)`: the force of a compliant contact whose gap this is.
+    #[must_use]
+    #[track_caller]
+    pub fn contact(&self, k: impl Into<Scalar>, c: impl Into<Scalar>, rate: impl Into<Scalar>) -> Scalar {
+        Scalar(Term::call(Kind::Call("contact"), vec![self.term(), k.into().0, c.into().0, rate.into().0]))
+    }
+
     /// `dt(x)`: the total time derivative.
     #[must_use]
     #[track_caller]
@@ -432,6 +460,12 @@ impl Pose {
     #[track_caller]
     pub fn quaternion(w: impl Into<Scalar>, x: impl Into<Scalar>, y: impl Into<Scalar>, z: impl Into<Scalar>) -> Self {
         Pose(Term::call(Kind::Call("quaternion"), vec![w.into().0, x.into().0, y.into().0, z.into().0]))
+    }
+
+    /// `dh(theta, d, a, alpha)`: Denavit & Hartenberg, standard.
+    #[track_caller]
+    pub fn dh(theta: impl Into<Scalar>, d: impl Into<Scalar>, a: impl Into<Scalar>, alpha: impl Into<Scalar>) -> Self {
+        Pose(Term::call(Kind::Call("dh"), vec![theta.into().0, d.into().0, a.into().0, alpha.into().0]))
     }
 
     /// `pose.inverse()`

@@ -151,3 +151,40 @@ fn a_free_body_on_tables() {
     let written = a.generate(&Options::default()).unwrap();
     assert_eq!(module(&written.code), module(&read.code));
 }
+
+#[test]
+fn joints_of_tables_with_shapes_springs_and_friction() {
+    let mut a = Mechanism::new("A", "");
+    let (q, u) = (a.coord("q", "rad"), a.coord("u", "m"));
+    let zero = || quantity(0.0, "m");
+    let link = Pose::dh(&q, quantity(0.2, "m"), quantity(0.5, "m"), 0.3);
+    let tool = Pose::dh(0.1, &u, zero(), -0.2);
+    let tool = &link * &tool;
+    a.kinetic(particle(quantity(2.0, "kg"), link.origin()) + particle(quantity(1.0, "kg"), tool.origin()));
+    a.potential(quantity(30.0, "N/m").spring(&u, quantity(0.1, "m")));
+    let [f_c, f_s] = [3.0, 4.0].map(|force| quantity(force, "N"));
+    let [v_s, v_eps] = [0.1, 0.01].map(|speed| quantity(speed, "m/s"));
+    let contact = u.contact(quantity(1e4, "N/m"), quantity(10.0, "N*s/m"), u.dt());
+    a.force(&u, u.dt().coulomb_stribeck(f_c, f_s, v_s, v_eps) + contact);
+    a.output_with_jacobian_rate("tip", &tool.origin());
+    a.draw_box(&link, Vector::new(quantity(0.1, "m"), quantity(0.2, "m"), quantity(0.3, "m")));
+    a.draw_cylinder(&tool, quantity(0.02, "m"), quantity(0.4, "m"));
+    a.draw_sphere(&(&tool * Pose::translation([0.0, 0.0, 0.0])), quantity(0.05, "m"));
+    let text = "mechanism A { coord q: rad; coord u: m;
+        let link = dh(q, 0.2 m, 0.5 m, 0.3); let tool = link * dh(0.1, u, 0 m, -0.2);
+        kinetic += particle(2 kg, link.origin()) + particle(1 kg, tool.origin());
+        potential += spring(30 N/m, u, 0.1 m);
+        force u += coulomb_stribeck(dt(u), 3 N, 4 N, 0.1 m/s, 0.01 m/s) + contact(u, 1e4 N/m, 10 N*s/m, dt(u));
+        output tip = tool.origin(), jacobian_rate; }";
+    let read = generate("a.mbs", text, &Options::default()).unwrap();
+    assert_eq!(module(&a.generate(&Options::default()).unwrap().code), module(&read.code));
+
+    let graph = crate::expr::Graph::verbatim();
+    let scene = crate::Analysis::written(&a, &graph, &[]).unwrap().scene();
+    let shapes: Vec<_> = scene.shapes.iter().map(|shape| (shape.kind, shape.file.is_none())).collect();
+    assert_eq!(shapes, [("box", true), ("cylinder", true), ("sphere", true)]);
+
+    a.draw_sphere(&link, quantity(0.05, "kg"));
+    let report = a.generate(&Options::default()).map(|_| ()).unwrap_err().render_in(&a.sources());
+    assert!(report.contains("radius") && report.contains("builder/tests.rs"), "{report}");
+}
