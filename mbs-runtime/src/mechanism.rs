@@ -94,6 +94,11 @@ pub trait Energies<const N: usize, const U: usize>: Dynamics<N, U> {
 /// The derivatives of the accelerations: what vibrations and regulators are made of.
 pub trait Linearized<const N: usize, const U: usize>: Dynamics<N, U> {
     /// Derivatives of [`forward_dynamics`](Dynamics::forward_dynamics) at this state.
+    ///
+    /// Every coordinate, rate and input is varied by itself. Where rows of constraints depend on each other, a change
+    /// of one coordinate or rate alone may make them contradict each other: its column is NaN, and no sum of columns
+    /// is the derivative along a motion on which all rows agree. `mbs linearize` takes derivatives along such motions;
+    /// [`Reduction::linearize`](crate::Reduction::linearize) needs columns that are finite.
     fn linearize(
         &self,
         t: Self::Time,
