@@ -152,8 +152,10 @@ impl Outline {
         let tokens = sources.tokens().0;
         let whole = Scope { parent: 0, span: 0..text.len(), is_body: false };
         let outline = Outline { scopes: vec![whole], ..Outline::default() };
-        let units =
-            Sources::words().into_iter().filter(|(kind, ..)| *kind == "unit").map(|(_, name, _)| name).collect();
+        // `1000 kg`: how many of the coherent unit it is.
+        let coherent = |form: String| form.rsplit(' ').next().unwrap_or_default().to_string();
+        let units = Sources::words().into_iter().filter(|(kind, ..)| *kind == "unit");
+        let units = units.map(|(_, name, form)| (name, coherent(form))).collect();
         Reader::new(text, tokens, units, outline).read()
     }
 

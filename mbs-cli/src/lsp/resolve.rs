@@ -15,6 +15,8 @@ pub(super) struct File {
     pub(super) name: String,
     pub(super) text: Text,
     pub(super) outline: Outline,
+    /// The numbers of its symbols by name, rising.
+    called: BTreeMap<String, Vec<usize>>,
     /// Where its text begins among those of all files.
     pub(super) start: usize,
 }
@@ -36,7 +38,11 @@ impl Files {
             let text = source.text.as_deref().unwrap_or_default();
             let is_table = source.name.to_lowercase().ends_with(".csv");
             let outline = if is_table { table(text) } else { Outline::of(text) };
-            File { name: source.name.clone(), text: Text::new(text.to_string()), outline, start: source.start }
+            let mut called: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+            for (number, symbol) in outline.symbols.iter().enumerate() {
+                called.entry(symbol.name.clone()).or_default().push(number);
+            }
+            File { name: source.name.clone(), text: Text::new(text.to_string()), outline, called, start: source.start }
         };
         Files((0..sources.count()).map(file).collect())
     }
@@ -60,6 +66,12 @@ impl Files {
             Some(_) => outline.symbols.iter().find(|symbol| symbol.kind == Kind::Mechanism)?.body,
             None => (!outline.is_mechanism).then_some(0),
         }
+    }
+
+    /// The symbols of a file that are called so, with their numbers.
+    fn called(&self, file: usize, name: &str) -> impl Iterator<Item = (usize, &Symbol)> {
+        let File { outline, called, .. } = &self.0[file];
+        called.get(name).into_iter().flatten().map(|&number| (number, &outline.symbols[number]))
     }
 
     pub(super) fn symbol(&self, (file, symbol): Place) -> &Symbol {
@@ -89,12 +101,9 @@ impl Files {
         let (mut scope, mut through, mut later) = (scope, false, None);
         loop {
             let fits = |(_, symbol): &(usize, &Symbol)| {
-                symbol.scope == scope
-                    && symbol.name == name
-                    && symbol.kind.space() == space
-                    && (!through || symbol.kind.is_everywhere())
+                symbol.scope == scope && symbol.kind.space() == space && (!through || symbol.kind.is_everywhere())
             };
-            let here: Vec<(usize, &Symbol)> = outline.symbols.iter().enumerate().filter(fits).collect();
+            let here: Vec<(usize, &Symbol)> = self.called(file, name).filter(fits).collect();
             let is_known = |symbol: &Symbol| {
                 let always = matches!(symbol.kind, Kind::Argument | Kind::Loop | Kind::Function | Kind::Part);
                 through || always || symbol.statement.end <= at
@@ -119,10 +128,10 @@ impl Files {
             (0..self.0.len()).filter(|&number| number != file && (file == 0 || self.import_of(number).is_none()));
         let shared = others.filter_map(|number| Some((number, self.shared(number)?)));
         let mut declared = shared.flat_map(|(number, scope)| {
-            let symbols = self.0[number].outline.symbols.iter().enumerate();
+            let symbols = self.called(number, name);
             symbols.filter(move |(_, symbol)| symbol.scope == scope).map(move |(i, symbol)| ((number, i), symbol))
         });
-        let fits = |symbol: &Symbol| symbol.name == name && symbol.kind.space() == space;
+        let fits = |symbol: &Symbol| symbol.kind.space() == space;
         let is_seen = |symbol: &Symbol| !through || symbol.kind.is_everywhere();
         declared.find(|(_, symbol)| fits(symbol) && is_seen(symbol)).map(|(place, _)| place)
     }
@@ -276,7 +285,8 @@ mod tests {
     const MAIN: &str = "import \"lib.mbs\"; import \"t.csv\";\n\
                         mechanism A {\n    param m: kg = 1;\n    param t_: s = 0.3 s*m;\n    coord x: m;\n    let a = m*g + stretch[0];\n    \
                         for m in 0..2 { let a = a*m; x = a; }\n    fn f(x, y) = half(x) + m*y;\n    link arm(m, world);\n    \
-                        force x += f(arm.end.x, arm.tip) + if m > 0 { a } else { x };\n    output a = a;\n}\n";
+                        force x += f(arm.end.x, arm.tip) + if m > 0 { a } else { x };\n    output a = a;\n    \
+                        let c = 0.3 kg*g + 2 kg*m*g + 3 kg/g; let d = 2 kg*m/s/s + 1 kg*2 g;\n}\n";
 
     fn files() -> Files {
         let sources = Sources::gather("main.mbs", MAIN, |name| match name {
@@ -320,6 +330,22 @@ mod tests {
         check("output a = |a", "main.mbs: let a = m*g + stretch[0]");
         check("0.3 |s", "nothing");
         check("0.3 s*|m", "nothing");
+        // A second unit of one quantity is a name.
+        check("0.3 kg*|g", "lib.mbs: const g: m/s^2 = 9.81;");
+        check("2 kg*m*|g", "lib.mbs: const g: m/s^2 = 9.81;");
+        check("3 kg/|g", "lib.mbs: const g: m/s^2 = 9.81;");
+        check("2 kg*|m/s", "nothing");
+        check("m/s/|s", "nothing");
+        check("kg*2 |g", "nothing");
+    }
+
+    #[test]
+    fn many_names_are_looked_up_in_linear_time() {
+        let names: String = (0..30_000).map(|i| format!("let a{i} = x; ")).collect();
+        let files = Files::of(&Sources::new("a.mbs", &format!("mechanism A {{ coord x: m; {names} }}")));
+        let begun = std::time::Instant::now();
+        assert_eq!(files.in_sight(files.0[0].text.text.len() - 1).len(), 30_001);
+        assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
     }
 
     /// Each name in turn: a use that is missed is not declared any more, one too many is an error, too.

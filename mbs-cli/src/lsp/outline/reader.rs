@@ -31,7 +31,8 @@ pub(super) struct Reader<'t> {
     /// Blocks that are open: their scopes, those of functions aside.
     blocks: Vec<usize>,
     docs: Vec<&'t str>,
-    units: Vec<String>,
+    /// Each with the coherent unit that it is a multiple of.
+    units: Vec<(String, String)>,
     outline: Outline,
 }
 
@@ -114,7 +115,12 @@ fn documentation(comment: &str) -> String {
 // ---- statements
 
 impl<'t> Reader<'t> {
-    pub(super) fn new(text: &'t str, tokens: Vec<Range<usize>>, units: Vec<String>, outline: Outline) -> Self {
+    pub(super) fn new(
+        text: &'t str,
+        tokens: Vec<Range<usize>>,
+        units: Vec<(String, String)>,
+        outline: Outline,
+    ) -> Self {
         Reader { text, tokens, at: 0, scope: 0, blocks: Vec::new(), docs: Vec::new(), units, outline }
     }
 
@@ -475,7 +481,7 @@ impl Reader<'_> {
     /// A unit behind a number, or behind another unit of the same number without a blank.
     fn is_unit(&self) -> bool {
         let (at, word) = (self.at, self.token(self.at));
-        if at == 0 || !self.units.iter().any(|unit| unit == word) {
+        if at == 0 || self.coherent(word).is_none() {
             return false;
         }
         let is_applied = matches!(self.token(at + 1), "(" | "[") || self.token(at + 1) == "." && self.is_word(at + 2);
@@ -497,7 +503,11 @@ impl Reader<'_> {
             last -= 1;
         }
         let unit = |word: &Word| word.span == self.span(last) && word.role == Role::Unit;
-        self.outline.words.last().is_some_and(unit) && !self.repeats(last, word)
+        self.outline.words.last().is_some_and(unit) && !self.repeats(word)
+    }
+
+    fn coherent(&self, word: &str) -> Option<&str> {
+        self.units.iter().find(|(unit, _)| unit == word).map(|(_, coherent)| coherent.as_str())
     }
 
     fn is_exponent(&self, at: usize) -> bool {
@@ -506,9 +516,23 @@ impl Reader<'_> {
             && matches!(self.token(at - 1), "^" | "-" | "(" | "/")
     }
 
-    /// A second unit of the same name is a name: the `g` of `0.3 g*g`.
-    fn repeats(&self, last: usize, word: &str) -> bool {
-        self.token(last) == word && self.token(self.at - 1) == "*"
+    /// A second unit of the same quantity is a name, the `g` of `0.3 kg*g`; that of `m/s/s` divides again.
+    fn repeats(&self, word: &str) -> bool {
+        let mut behind = self.span(self.at).start;
+        for before in self.outline.words.iter().rev().take_while(|before| before.role == Role::Unit) {
+            let (name, between) = (&self.text[before.span.clone()], &self.text[before.span.end..behind]);
+            let goes_on =
+                matches!(between, "*" | "/") || between.starts_with('^') && !between.contains(char::is_whitespace);
+            if !goes_on {
+                return false;
+            }
+            if self.coherent(name) == self.coherent(word) {
+                let divides = |place: usize| self.text[..place].ends_with('/');
+                return !(name == word && divides(self.span(self.at).start) && divides(before.span.start));
+            }
+            behind = before.span.start;
+        }
+        false
     }
 
     /// The words before the point that comes before this one: `arm`, `tip` of `arm[i].tip.x`.
