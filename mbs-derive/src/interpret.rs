@@ -69,13 +69,11 @@ impl Violation {
     /// assert_eq!(Violation::all(analysis.programs(), &[-2.0])[0].quantity, "m");
     /// ```
     pub fn all(derivation: &Derivation, parameters: &[f64]) -> Vec<Violation> {
-        let names = component_names(&derivation.parameters).into_iter().zip(parameters);
-        let broken: Vec<Violation> = names
-            .filter(|(_, value)| !value.is_finite())
-            .map(|(quantity, &value)| Violation { quantity, value, must: "must be finite" })
-            .collect();
-        if !broken.is_empty() {
-            return broken;
+        // Names are made where one is wanted: ensembles ask a million times.
+        if parameters.iter().any(|value| !value.is_finite()) {
+            let names = component_names(&derivation.parameters).into_iter().zip(parameters);
+            let broken = names.filter(|(_, value)| !value.is_finite());
+            return broken.map(|(quantity, &value)| Violation { quantity, value, must: "must be finite" }).collect();
         }
         let state = State::default();
         let trigonometry = Trigonometry::default();
