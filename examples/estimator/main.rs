@@ -7,8 +7,8 @@
 //! there on the IMU alone leads the vehicle.
 //!
 //! Each landing has random numbers of its own: results are the same for any number of threads. `--members N` says how
-//! many landings there are, `--threads N` by how many threads. `--out DIR` writes figures as SVG and PNG, and the
-//! errors of one landing of each case as CSV.
+//! many landings of each case there are, 10 at least, `--threads N` by how many threads. `--out DIR` writes figures as
+//! SVG and PNG, and the errors of one landing of each case as CSV.
 
 mod consistency;
 mod figures;
