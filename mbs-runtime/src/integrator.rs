@@ -138,6 +138,8 @@ mod run;
 pub(crate) mod semi_implicit_euler;
 pub(crate) mod verlet;
 
+pub(crate) use fixed::rounding_of_clock;
+
 /// A method that integrates `q̈ = f(t, q, q̇)`.
 pub trait Integrator<T: Scalar> {
     /// Carries `state` from the time `t` to `t_end`, which may lie before `t`; the last step ends exactly there.

@@ -59,7 +59,8 @@ const B_BAR: [f64; 2] = [0.25 + ROOT / 12.0, 0.25 - ROOT / 12.0];
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GaussLegendre4 {
-    /// The longest step \[s\]. The steps are equal and as many as needed, so that the last one ends where it should.
+    /// The longest step, up to rounding \[s\]. The steps are equal and as many as needed, so that the last one ends where
+    /// it should.
     pub step: f64,
     /// The relative change of the accelerations at which the iteration ends, positive.
     pub tolerance: f64,
