@@ -1,11 +1,11 @@
 //! A controller that sees samples, computes for a while, and holds what it found, in the loop with a motion.
 
 use crate::error::IntegrationError;
-use crate::integrator::{Integrator, Outcome, Step, Summary};
+use crate::integrator::{Integrator, Outcome, Step, Summary, rounding_of_clock};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
-/// Samples at `t₀ + k T`; what is computed from one acts from `delay` later, and until the next one does.
+/// Samples at `t₀ + k T` before the end; what is computed from one acts from `delay` later, and until the next one does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledLoop<const U: usize> {
     /// T \[s\].
@@ -71,6 +71,8 @@ impl<const U: usize> SampledLoop<U> {
         self.check(t, t_end).map_err(IntegrationError::widen)?;
         let mut all = Summary { time: t, stopped: false, evaluations: 0, accepted: 0, rejected: 0, next_step: 0.0 };
         let (mut held, mut sample) = (self.initial, 0.0);
+        // 11 · 0.03 is less than 0.33 by rounding alone: no sample comes so shortly before the end.
+        let late = t_end - rounding_of_clock(t, t_end, self.sample_time);
         while all.time < t_end {
             let start = t + sample * self.sample_time;
             let computed = law(start, state);
@@ -78,7 +80,7 @@ impl<const U: usize> SampledLoop<U> {
                 if self.delay == self.sample_time { t + (sample + 1.0) * self.sample_time } else { start + self.delay };
             sample += 1.0;
             for (end, next) in [(change, Some(computed)), (t + sample * self.sample_time, None)] {
-                let end = end.min(t_end);
+                let end = if end < late { end } else { t_end };
                 if end > all.time {
                     let part = integrator.integrate(
                         |t, q: &V, qd: &V, qdd: &mut V| acceleration(t, q, qd, &held, qdd),

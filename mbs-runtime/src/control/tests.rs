@@ -453,6 +453,39 @@ fn a_sampled_loop_follows_its_recursion() {
     close(state.qd[0], 0.5 + 5.0 + 0.2 * 10.5, 1e-12);
 }
 
+/// k samples of T seconds are k calls and, by steps of T, k steps, whatever rounding makes of k T.
+#[test]
+fn a_sampled_loop_of_whole_samples_has_that_many() {
+    let run = |[sample_time, delay]: [f64; 2], t: f64, t_end: f64| {
+        let mut calls = 0;
+        let mut state = State::new([0.0], [0.0]);
+        let law = |_: f64, _: &State<[f64; 1]>| {
+            calls += 1;
+            [1.0]
+        };
+        let pushed = |_: f64, _: &[f64; 1], _: &[f64; 1], u: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = u[0];
+        let summary = SampledLoop { sample_time, delay, initial: [0.0] }
+            .integrate(&Rk4::new(sample_time), law, pushed, t, t_end, &mut state, |_, _| ControlFlow::Continue(()))
+            .unwrap();
+        assert_eq!(summary.time, t_end);
+        (calls, summary.accepted)
+    };
+    assert_eq!(run([0.03, 0.0], 0.0, 0.33), (11, 11));
+    assert_eq!(run([0.03, 0.01], 0.0, 0.33), (11, 22));
+    for hundredths in 1..=50 {
+        for k in 1..=40 {
+            let (sample_time, t_end) = (f64::from(hundredths) / 100.0, f64::from(hundredths * k) / 100.0);
+            let expected = (k, k as usize);
+            for delay in [0.0, sample_time] {
+                assert_eq!(run([sample_time, delay], 0.0, t_end), expected, "{k} of {sample_time}, {delay} late");
+                assert_eq!(run([sample_time, delay], 100.0, 100.0 + t_end), expected, "{k} of {sample_time} from 100");
+            }
+        }
+    }
+    // What is more than rounding has its sample.
+    assert_eq!(run([0.1, 0.0], 0.0, 0.3 + 1e-12), (4, 4));
+}
+
 #[test]
 fn times_of_a_loop_are_checked() {
     let run = |sample_time: f64, delay: f64, t: f64, t_end: f64| {
