@@ -81,7 +81,8 @@ pub(crate) struct Arguments {
     /// Absolute tolerance of dop853 and dopri5 [default: 1e-12].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     atol: Option<f64>,
-    /// Seconds between rows, and the step of methods without error control; a thousandth of the duration if not given.
+    /// Seconds between rows, and the step of methods without error control, which is a little less where the duration is
+    /// no multiple of it; a thousandth of the duration if not given.
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
     /// The longest step of dop853 and dopri5, which may step over what comes and goes in less time: a short push, a
@@ -187,7 +188,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if point.state.prescribed.iter().enumerate().any(contradicts) {
         output::warn("prescribed signals stay as given: a value that stays contradicts a rate that is not zero");
     }
-    let step = times.get(1).map_or(1.0, |second| second - times[0]);
+    let step = step(&point, arguments).unwrap_or(1.0);
     let settings = Settings {
         method: arguments.method,
         accuracy: Accuracy {
@@ -329,6 +330,12 @@ fn deliver(motion: &Motion, others: &[(&Path, Vec<u8>)], arguments: &Arguments) 
     }
 }
 
+/// The time from row to row, where there is a second one: not a difference of their times, which are rounded.
+fn step(point: &Point, arguments: &Arguments) -> Option<f64> {
+    let duration = arguments.t_end - point.state.t;
+    (duration > 0.0).then(|| arguments.dt.unwrap_or(duration / 1000.0).min(duration))
+}
+
 /// From the state's time in steps of `--dt` to the end time, both included.
 fn times(point: &Point, arguments: &Arguments) -> Result<Vec<f64>, Failure> {
     const MOST: f64 = 1e6;
@@ -339,10 +346,7 @@ fn times(point: &Point, arguments: &Arguments) -> Result<Vec<f64>, Failure> {
     if !(end - start).is_finite() {
         return Err(Failure::new(format_args!("from t = {start} to --t-end {end} is too long a time to be a number")));
     }
-    if end == start {
-        return Ok(vec![start]);
-    }
-    let step = arguments.dt.unwrap_or((end - start) / 1000.0);
+    let Some(step) = step(point, arguments) else { return Ok(vec![start]) };
     // A last row that would differ from the one before by rounding alone is left out.
     let count = ((end - start) / step - 1e-9).ceil().max(1.0);
     if count > MOST {

@@ -51,6 +51,33 @@ fn rk4_steps_by_dt() {
     check_chain(&["--t-end", "0.5", "--method", "rk4", "--dt", "0.0009765625"], 1e-11, &fine);
 }
 
+/// Ten steps of `--dt` are ten whenever the motion begins, also where times tell it only roughly.
+#[test]
+fn fixed_steps_do_not_depend_on_the_time() {
+    let workshop = Workshop::new();
+    let energies = "kinetic += 0.5 kg*dt(x)^2; potential += (9.81 N)*x;";
+    workshop.write("fall.mbs", &format!("mechanism Fall {{ coord x: m; {energies} }}"));
+    let place = |start: &str, end: &str, method: &str, dt: &str| {
+        let state = format!(r#"{{"t": {start}, "q": [0]}}"#);
+        let all = ["simulate", "fall.mbs", "--state", &state, "--t-end", end, "--method", method, "--dt", dt];
+        let csv = workshop.good(&all);
+        let (_, rows) = table(&csv);
+        rows[rows.len() - 1][1]
+    };
+    // −g h² (1 + 2 + … + 10); eleven steps in the same time end at −5.3509.
+    for start in [0, 1, 8, 10, 100, 1000] {
+        let [start, end] = [start, start + 1].map(|t: i32| t.to_string());
+        let found = place(&start, &end, "semi-implicit-euler", "0.1");
+        assert!((found + 5.3955).abs() < 1e-12, "{found} from t = {start}");
+    }
+    // A duration that is no multiple: four steps of 0.25 s.
+    let found = place("0", "1", "semi-implicit-euler", "0.3");
+    assert!((found + 9.81 * 0.0625 * 10.0).abs() < 1e-12, "{found}");
+    // Where the clock tells 2 s apart, a step of 0.1 s is still one.
+    let found = place("10000000000000000", "10000000000000016", "gauss-legendre4", "0.1");
+    assert!((14.0..=16.0).contains(&(-2.0 * found / 9.81).sqrt()), "{found}");
+}
+
 #[test]
 fn tolerances_are_heeded() {
     let workshop = Workshop::new();
