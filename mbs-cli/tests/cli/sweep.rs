@@ -480,6 +480,27 @@ fn what_is_faster_than_the_motion_is_seen() {
     assert!(workshop.bad(&["sweep", "plan.toml"]).contains("the method has no error control, `max_step` does nothing"));
 }
 
+/// Greatest values just behind and just before the end of a step, of which the end is the greatest of nine places, and
+/// which are hardly greater than one before.
+#[test]
+fn extrema_beside_the_end_of_a_step_are_seen() {
+    let workshop = workshop();
+    let bumps = |peak: &str| format!("exp(-((t - 0.5 s)/(0.05 s))^2) + 1.01*exp(-((t - {peak} s)/(0.05 s))^2)");
+    let (behind, before, between) = (bumps("1.41249"), bumps("1.38751"), bumps("1.4125"));
+    let plan = format!(
+        "mechanism = \"spring.mbs\"\n[vary]\nm = {{ values = [1, 2] }}\n[motion]\nduration = 2\nmethod = \"rk4\"\n\
+         step = 0.2\n[quantities]\nbehind = {{ max = \"{behind}\" }}\nbefore = {{ max = \"{before}\" }}\n\
+         between = {{ max = \"{between}\" }}\nleast = {{ min = \"-({behind})\" }}\n"
+    );
+    workshop.write("plan.toml", plan);
+    workshop.good(&["sweep", "plan.toml"]);
+    for row in rows(&workshop.read("plan.csv")) {
+        for (name, sign) in [("behind", 1.0), ("before", 1.0), ("between", 1.0), ("least", -1.0)] {
+            assert!((number(&row, name) - sign * 1.01).abs() < 1e-9, "{row:?}");
+        }
+    }
+}
+
 /// Three parallel cranks, one more than is needed: refused, or borne by all.
 #[test]
 fn redundant_constraints_are_refused_or_left_out() {
