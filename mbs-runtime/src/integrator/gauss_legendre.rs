@@ -195,17 +195,37 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
                 continue;
             }
             stalled += 1;
-            // Changes that no longer decrease are rounding if the coordinates do not feel them; or hardly, and
-            // velocities neither, and for long.
+            // Changes that no longer decrease are rounding if the coordinates do not feel them, or hardly and for long, and
+            // velocities hardly; or if those of a state as good as this one differ by as much.
             let speed = largest(&old.qd) + h.abs() * size;
             let reach = largest(&old.q) + h.abs() * speed;
-            let hardly = V::Scalar::EPSILON.sqrt();
-            let felt = if stalled < 4 { V::Scalar::from_f64(64.0) * V::Scalar::EPSILON } else { hardly };
-            if h * h * change <= felt * reach && (stalled < 4 || h.abs() * change <= hardly * speed) {
+            let (nothing, hardly) = (V::Scalar::from_f64(64.0) * V::Scalar::EPSILON, V::Scalar::EPSILON.sqrt());
+            let felt = if stalled < 4 { nothing } else { hardly };
+            if h * h * change <= felt * reach && h.abs() * change <= hardly * speed {
+                return Ok(());
+            }
+            if h * h * change <= nothing * reach && change <= self.scatter(system, t + C[1] * length)? {
                 return Ok(());
             }
         }
         Err(Fault::NotConverged(self.max_iterations))
+    }
+
+    /// How far the accelerations of the second stage, which is at hand, move where some ulps are added to its state.
+    fn scatter<F: Acceleration<V>>(&mut self, system: &mut System<F>, t: f64) -> Result<V::Scalar, Fault<F::Error>> {
+        /// Different numbers, so that neither sums nor differences of equal ones stay.
+        const ULPS: [f64; 4] = [8.0, -13.0, 21.0, -34.0];
+        for numbers in [self.stage.q.as_mut_slice(), self.stage.qd.as_mut_slice()] {
+            for (number, ulps) in numbers.iter_mut().zip(ULPS.into_iter().cycle()) {
+                *number = *number + V::Scalar::from_f64(ulps) * V::Scalar::EPSILON * *number;
+            }
+        }
+        match system.evaluate(t, &self.stage.q, &self.stage.qd, &mut self.next) {
+            Err(Fault::NonFinite) => return Ok(V::Scalar::zero()),
+            result => result?,
+        }
+        let pairs = self.next.as_slice().iter().zip(self.k[1].as_slice());
+        Ok(pairs.fold(V::Scalar::zero(), |most, (next, k)| most.maximum((*next - *k).abs())))
     }
 }
 
@@ -365,10 +385,40 @@ mod tests {
         assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }));
         // Friction that turns with the velocity, of which places of 1 m feel nothing in a step of 1e-5 s.
         let friction = |_: f64, _: &[f64; 1], qd: &[f64; 1], qdd: &mut [f64; 1]| qdd[0] = 1.0 - 5.0 * qd[0].signum();
-        for place in [0.0, 1.0, 100.0] {
+        for place in [0.0, 1.0, 100.0, 1e5] {
             let mut state = State::new([place], [0.0]);
             let result = GaussLegendre4::new(1e-5).integrate(friction, 0.0, 1e-5, &mut state, go_on);
             assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }), "{place}");
+        }
+        // Numbers of 32 bits feel nothing in usual steps.
+        let friction = |_: f32, _: &[f32; 1], qd: &[f32; 1], qdd: &mut [f32; 1]| qdd[0] = 1.0 - 5.0 * qd[0].signum();
+        for (place, step) in [(0.0, 1e-3), (2.0, 1e-3), (1.0, 5e-4), (1.0, 1e-4)] {
+            let mut state = State::new([place], [0.0]);
+            let result = GaussLegendre4::new(step).integrate(friction, 0.0, step, &mut state, go_on);
+            assert_eq!(result, Err(IntegrationError::NotConverged { time: 0.0, iterations: 50 }), "{place} {step}");
+        }
+    }
+
+    /// Stiff springs far from the origin, which are off by some ulps: that is all that moves them, and no iteration tells
+    /// their accelerations better.
+    #[test]
+    fn what_rests_far_away_is_rounding() {
+        for ratio in [0.25, 0.5, 1.0] {
+            for start in [1000.1, 1000.100_000_000_000_5] {
+                let pull = |_: f64, q: &[f64; 2], _: &[f64; 2], qdd: &mut [f64; 2]| {
+                    let stretch = q[1] - q[0] - 0.3;
+                    *qdd = [1e6 * ratio * (1000.1 - q[0] + stretch), -1e6 * ratio * stretch];
+                };
+                let mut state = State::new([start, start + 0.3], [0.0, 0.0]);
+                GaussLegendre4::new(1e-3).integrate(pull, 0.0, 1.0, &mut state, go_on).unwrap();
+                assert!((state.q[0] - 1000.1).abs() < 1e-11, "{ratio} {start}: {state:?}");
+                let pull = |_: f32, q: &[f32; 1], _: &[f32; 1], qdd: &mut [f32; 1]| {
+                    qdd[0] = 1e6 * ratio as f32 * (1000.1 - q[0]);
+                };
+                let mut state = State::new([start as f32 + 1e-4], [0.0]);
+                GaussLegendre4::new(1e-3).integrate(pull, 0.0, 1.0, &mut state, go_on).unwrap();
+                assert!((state.q[0] - 1000.1).abs() < 2e-3, "{ratio} {start}: {state:?}");
+            }
         }
     }
 
