@@ -4,7 +4,7 @@ use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::Interpreter;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
-use nalgebra::{Complex, DMatrix, Schur, linalg::balancing};
+use nalgebra::{Complex, DMatrix, DVector, Schur, linalg::balancing};
 
 use crate::failure::Failure;
 use crate::state::Point;
@@ -163,15 +163,9 @@ fn check_state(
 impl System {
     /// With inputs held for a time: the exponential of `[[A, B], [0, 0]] T` (Van Loan, 1978).
     pub(super) fn sampled(self, time: f64) -> Result<Self, Failure> {
-        let (states, inputs) = self.b.shape();
-        let mut block = DMatrix::zeros(states + inputs, states + inputs);
-        block.view_mut((0, 0), (states, states)).copy_from(&(&self.a * time));
-        block.view_mut((0, states), (states, inputs)).copy_from(&(&self.b * time));
-        let whole = exponential(&block).ok_or_else(|| {
+        let (a, b) = sampled(&self.a * time, &self.b * time).ok_or_else(|| {
             Failure::new("the sampled system leaves the range of numbers: the sample time is too long")
         })?;
-        let a = whole.view((0, 0), (states, states)).into_owned();
-        let b = whole.view((0, states), (states, inputs)).into_owned();
         Ok(System { a, b, ..self })
     }
 
@@ -180,7 +174,7 @@ impl System {
         if self.a.is_empty() {
             return Some(Vec::new());
         }
-        let (balanced, unit) = balanced(self.a.clone());
+        let (balanced, unit, _) = balanced(self.a.clone());
         let schur = Schur::try_new(balanced, f64::EPSILON, 10_000)?;
         let size = |pole: &Complex<f64>| pole.re.hypot(pole.im);
         let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().map(|pole| pole * unit).collect();
@@ -202,15 +196,40 @@ impl System {
     }
 }
 
-/// Balanced by powers of two, in units of another one: balancing squares entries, and does not end where they overflow.
-fn balanced(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, f64) {
+/// `exp A` and `∫₀¹ exp(A s) ds B`; `None` where they leave the range of numbers.
+///
+/// In balanced states, and in units of the inputs that make columns of B no larger than 1: how often the exponential is
+/// squared is then a matter of the motion, not of units, and small entries of A are not lost beside large ones of B.
+fn sampled(a: DMatrix<f64>, mut b: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatrix<f64>)> {
+    if !a.iter().chain(b.iter()).all(|x| x.is_finite()) {
+        return None;
+    }
+    let (states, inputs) = b.shape();
+    let (a, unit, scale) = balanced(a);
+    b.row_iter_mut().zip(scale.iter()).for_each(|(mut row, scale)| row /= *scale);
+    // 2⁻¹⁰⁰⁰ has a reciprocal, too.
+    let exponent = |size: f64| size.max(1.0).log2().ceil().min(1000.0) as i32;
+    let input_units: Vec<f64> = b.column_iter().map(|column| 2_f64.powi(-exponent(column.amax()))).collect();
+    b.column_iter_mut().zip(&input_units).for_each(|(mut column, unit)| column *= *unit);
+    let mut block = DMatrix::zeros(states + inputs, states + inputs);
+    block.view_mut((0, 0), (states, states)).copy_from(&(a * unit));
+    block.view_mut((0, states), (states, inputs)).copy_from(&b);
+    let whole = exponential(&block)?;
+    let phi = DMatrix::from_fn(states, states, |i, j| whole[(i, j)] / scale[j] * scale[i]);
+    let gamma = DMatrix::from_fn(states, inputs, |i, j| whole[(i, states + j)] * scale[i] / input_units[j]);
+    phi.iter().chain(gamma.iter()).all(|x| x.is_finite()).then_some((phi, gamma))
+}
+
+/// Balanced by powers of two, in units of another one, and the powers `d` with `A = D A_balanced D⁻¹`: balancing squares
+/// entries, and does not end where they overflow.
+fn balanced(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, f64, DVector<f64>) {
     // About 1e150. The greatest entry is left as large, so that the squares of small ones do not vanish.
     const LARGE: i32 = 498;
     let size = matrix.amax().log2();
     let unit = if size > f64::from(LARGE) && size.is_finite() { 2_f64.powi(size as i32 - LARGE) } else { 1.0 };
     matrix /= unit;
-    balancing::balance_parlett_reinsch(&mut matrix);
-    (matrix, unit)
+    let scale = balancing::balance_parlett_reinsch(&mut matrix);
+    (matrix, unit, scale)
 }
 
 /// The dimension of the span of `B, A B, A² B, …`, as `mbs_runtime::control` finds it.
@@ -221,11 +240,11 @@ fn reachable(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
     let mut both = DMatrix::zeros(n + b.ncols(), n + b.ncols());
     both.view_mut((0, 0), (n, n)).copy_from(a);
     both.view_mut((0, n), (n, b.ncols())).copy_from(b);
-    let (both, _) = balanced(both);
+    let (both, ..) = balanced(both);
     let (a, b) = (both.view((0, 0), (n, n)).into_owned(), both.view((0, n), (n, b.ncols())).into_owned());
     let rounding = a.norm() * f64::EPSILON;
-    let mut basis: Vec<nalgebra::DVector<f64>> = Vec::new();
-    let add = |mut vector: nalgebra::DVector<f64>, rounding: f64, basis: &mut Vec<nalgebra::DVector<f64>>| {
+    let mut basis: Vec<DVector<f64>> = Vec::new();
+    let add = |mut vector: DVector<f64>, rounding: f64, basis: &mut Vec<DVector<f64>>| {
         let length = vector.norm();
         if length <= rounding || basis.len() == n {
             return;
@@ -248,4 +267,44 @@ fn reachable(a: &DMatrix<f64>, b: &DMatrix<f64>) -> usize {
         next += 1;
     }
     basis.len()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::sampled;
+    use nalgebra::DMatrix;
+
+    /// A mass on a spring, pushed, in units of all sizes: what the exponential loses does not depend on them.
+    #[test]
+    fn samples_do_not_depend_on_units() {
+        for mass in [1e-18, 1e-9, 1.0, 1e9] {
+            for (omega, time) in [(1.0, 0.1), (1.0, 100.0), (100.0, 1.0), (1e6, 1e-6), (1e-3, 1.0)] {
+                let a = DMatrix::from_row_slice(2, 2, &[0.0, 1.0, -omega * omega, 0.0]) * time;
+                let b = DMatrix::from_row_slice(2, 1, &[0.0, 1.0 / mass]) * time;
+                let (phi, gamma) = sampled(a, b).unwrap();
+                let (sin, cos) = (omega * time).sin_cos();
+                let half = (0.5 * omega * time).sin();
+                let expected = [cos, sin / omega, -omega * sin, cos];
+                let units = [1.0, 1.0 / omega, omega, 1.0];
+                let off = |found: f64, expected: f64, unit: f64| (found - expected).abs() / unit;
+                for (k, (expected, unit)) in expected.into_iter().zip(units).enumerate() {
+                    let found = phi[(k / 2, k % 2)];
+                    assert!(off(found, expected, unit) < 4e-14, "{mass} {omega} {time} {k}: {found}, {expected}");
+                }
+                let pushed = [2.0 * half * half / (mass * omega * omega), sin / (mass * omega)];
+                let unit = 1.0 / (mass * omega);
+                assert!(off(gamma[0], pushed[0], unit / omega) < 4e-14, "{mass} {omega} {time}: {gamma}");
+                assert!(off(gamma[1], pushed[1], unit) < 4e-14, "{mass} {omega} {time}: {gamma}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_leaves_the_range_of_numbers_is_none() {
+        for [a, b] in [[1e4, 1.0], [f64::INFINITY, 1.0], [1.0, f64::NAN], [1e300, 1.0], [700.0, 1e300]] {
+            assert_eq!(sampled(DMatrix::from_element(1, 1, a), DMatrix::from_element(1, 1, b)), None, "{a} {b}");
+        }
+        let (phi, gamma) = sampled(DMatrix::zeros(1, 1), DMatrix::from_element(1, 1, f64::MAX)).unwrap();
+        assert_eq!((phi[0], gamma[0]), (1.0, f64::MAX));
+    }
 }

@@ -146,6 +146,20 @@ fn a_sampled_system() {
     assert!((frequency(&slow) - frequency(&sampled)).abs() < 1e-12);
 }
 
+/// A thousandth of a milligram on a spring, undamped: its push is large in SI units.
+#[test]
+fn a_sampled_system_of_small_masses() {
+    let workshop = Workshop::new();
+    let text = "mechanism Tiny { param m: kg = 1e-9; param k: N/m = 1e-9; coord x: m; input f: N; \
+                kinetic += 1/2*m*dt(x)^2; potential += 1/2*k*x^2; force x += f; }";
+    workshop.write("tiny.mbs", text);
+    let report = linearized(&workshop, &["tiny.mbs", "--state", "{\"q\": [0]}", "--sample-time", "100"]);
+    let (sin, cos) = 100.0_f64.sin_cos();
+    assert_matrix(&report["a"], &[&[cos, sin], &[-sin, cos]], 4e-14);
+    let damping = report["poles"][0]["damping_ratio"].as_f64().unwrap();
+    assert!(damping.abs() < 1e-13, "{damping}");
+}
+
 /// `e^(-2000)` is zero.
 #[test]
 fn what_decays_within_a_sample_is_damped() {
