@@ -216,14 +216,22 @@ impl<T: Scalar> Scalar for Dual<T> {
         self.chain(self.value.atan(), T::one() / (T::one() + self.value * self.value))
     }
 
-    /// `(x y' − y x') / (x² + y²)`.
+    /// `(x y' − y x') / (x² + y²)`; where the squares leave the range of numbers, of x and y in units of the larger.
     #[inline]
     fn atan2(self, x: Self) -> Self {
         let y = self;
-        Self {
-            value: y.value.atan2(x.value),
-            derivative: (x.value * y.derivative - y.value * x.derivative) / (x.value * x.value + y.value * y.value),
-        }
+        let (a, b) = (x.value, y.value);
+        let cross = |a: T, b: T| a * y.derivative - b * x.derivative;
+        let squared = a * a + b * b;
+        // Zero or infinite, or so small that digits are lost.
+        let least = squared * T::from_f64(T::ROUNDING);
+        let plain = || cross(a, b) / squared;
+        let scaled = || {
+            let unit = T::select(a.abs().less(b.abs()), || b.abs(), || a.abs());
+            let (a, b) = (a / unit, b / unit);
+            cross(a, b) / (a * a + b * b) / unit
+        };
+        Self { value: b.atan2(a), derivative: T::select(least.equal(least + least), scaled, plain) }
     }
 
     #[inline]
@@ -267,7 +275,7 @@ impl<T: Scalar> Scalar for Dual<T> {
 
     /// `n xⁿ⁻¹ x' + xⁿ ln x · n'`; the first term is left out where `n = 0` or `x' = 0`, so that zero may be raised to
     /// powers that have no slope there, the second where `n' = 0`, so that a constant power of a negative number has
-    /// its derivative.
+    /// its derivative, and where `xⁿ = 0`, which no positive power of zero changes.
     #[inline]
     fn powf(self, exponent: Self) -> Self {
         let (x, n) = (self.value, exponent.value);
@@ -275,7 +283,8 @@ impl<T: Scalar> Scalar for Dual<T> {
         let slope = || n * x.powf(n - T::one()) * self.derivative;
         let by_base = T::select(n.vanishes() | self.derivative.vanishes(), T::zero, slope);
         let by_both = || by_base + power * x.ln() * exponent.derivative;
-        Self { value: power, derivative: T::select(exponent.derivative.vanishes(), || by_base, by_both) }
+        let is_by_base = exponent.derivative.vanishes() | power.vanishes();
+        Self { value: power, derivative: T::select(is_by_base, || by_base, by_both) }
     }
 
     #[inline]
@@ -393,6 +402,24 @@ mod tests {
         assert!((turned.value - angle).abs() < 1e-15 && (turned.derivative - 1.0).abs() < 1e-15);
     }
 
+    /// Along y at 45°, in any units: `x/(x² + y²) = 1/(2x)`.
+    #[test]
+    fn the_angle_of_a_point_in_any_units() {
+        for size in [1e-300, 1e-200, 1e-162, 1e-155, 1e-10, 1.0, 1e150, 1e155, 1e300] {
+            let angle = Dual::variable(size).atan2(Dual::constant(size));
+            let expected = 0.5 / size;
+            assert!((angle.derivative - expected).abs() <= 4e-16 * expected, "{size}: {angle:?}");
+            let angle = Dual::constant(0.0).atan2(Dual { value: -size, derivative: 1.0 });
+            assert_eq!(angle.derivative, 0.0, "{size}");
+        }
+        // Twice: −2 x y/(x² + y²)² at 45°.
+        let y = Dual { value: Dual::variable(1e-100), derivative: Dual::constant(1.0) };
+        let curvature = y.atan2(Dual::constant(Dual::constant(1e-100))).derivative.derivative;
+        assert!((curvature / -0.5e200 - 1.0).abs() < 1e-15, "{curvature}");
+        let centre = Dual::variable(0.0_f64).atan2(Dual::constant(0.0));
+        assert!(centre.derivative.is_nan());
+    }
+
     #[test]
     fn a_constant_power_of_a_negative_number() {
         let y = Dual::variable(-2.0).powf(Dual::constant(3.0));
@@ -407,6 +434,10 @@ mod tests {
         }
         assert_eq!(Dual::constant(0.0).powf(Dual::constant(0.5)), Dual::constant(0.0));
         assert_eq!(Dual::variable(0.0).powf(Dual::constant(0.5)).derivative, f64::INFINITY);
+        // No positive power of zero is anything else, whatever the power.
+        assert_eq!(Dual::constant(0.0).powf(Dual::variable(0.5)), Dual::constant(0.0));
+        assert_eq!(Dual::variable(0.0).powf(Dual::variable(1.0)), Dual::variable(0.0));
+        assert_eq!(Dual::variable(0.0).powf(Dual::variable(2.0)), Dual::constant(0.0));
     }
 
     /// Whether the exponent varies is a matter of each lane.
