@@ -96,13 +96,15 @@ impl Summary {
 
     /// A table for people.
     pub(crate) fn text(&self) -> String {
+        // Sensitivities and polynomials take time.
+        let all: Vec<_> = self.statistics().collect();
         let mut text = String::new();
         let row = |cells: &[(&str, usize)]| {
             let padded: Vec<String> = cells.iter().map(|(cell, width)| format!("{cell:<width$}")).collect();
             padded.join(" ").trim_end().to_string() + "\n"
         };
         text += &row(&[("\nquantity", NAME + 1), ("members", NUMBER), ("mean", BOUNDED), ("deviation", NUMBER)]);
-        for (column, statistics) in self.statistics() {
+        for (column, statistics) in &all {
             text += &row(&[
                 (&labelled(column), NAME),
                 (&statistics.count.to_string(), NUMBER),
@@ -112,7 +114,7 @@ impl Summary {
         }
         let quantiles = [("5 %", BOUNDED), ("median", BOUNDED), ("95 %", BOUNDED), ("greatest", NUMBER)];
         text += &row(&[&[("\nquantity", NAME + 1), ("least", NUMBER)], &quantiles[..]].concat());
-        for (column, statistics) in self.statistics() {
+        for (column, statistics) in &all {
             let [low, median, high] = QUANTILES.map(|p| statistics.quantile_text(p));
             let [least, greatest] = [0.0, 1.0].map(|p| short(quantile(&statistics.sorted, p)));
             let ends = [(least.as_str(), NUMBER), (&low, BOUNDED), (&median, BOUNDED), (&high, BOUNDED)];
@@ -121,7 +123,7 @@ impl Summary {
         let Some(variables) = &self.variables else { return text };
         let heads = [("\nSobol' indices of", NAME + 1), ("by", NAME), ("first order", BOUNDED), ("total", BOUNDED)];
         text += &row(&heads);
-        for (column, statistics) in self.statistics() {
+        for (column, statistics) in &all {
             for (name, indices) in variables.iter().zip(&statistics.indices) {
                 let [first, total] = indices.each_ref().map(|index| bounded(index.value, index.interval));
                 text += &row(&[(&column.name, NAME), (name, NAME), (&first, BOUNDED), (&total, BOUNDED)]);
@@ -130,7 +132,7 @@ impl Summary {
         if let Some(polynomials) = &self.chaos {
             let degree = polynomials.degree;
             text += &format!("\nby polynomials of degree {degree}, and the variance in their highest terms\n");
-            for (column, statistics) in self.statistics() {
+            for (column, statistics) in &all {
                 let highest = statistics.highest.map_or("-".to_string(), |share| format!("{share:.1e}"));
                 text += &row(&[(&labelled(column), NAME), (&highest, NUMBER)]);
             }
