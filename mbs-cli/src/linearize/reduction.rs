@@ -14,6 +14,8 @@ pub(super) struct Solution {
     /// One row per unknown.
     pub(super) slopes: DMatrix<f64>,
     pub(super) constants: DMatrix<f64>,
+    /// A row of which constants alone are left: it vanishes or depends on the others here, but not in the neighbourhood.
+    pub(super) singular: Option<usize>,
 }
 
 /// Why the named ones are not what is left.
@@ -79,6 +81,8 @@ pub(super) fn solve(
     if let Some(&unknown) = left.iter().find(|&&unknown| may_follow(unknown) && named.is_some()) {
         return Err(Fault::Free { unknown });
     }
+    let size = constants.amax().max(1.0);
+    let singular = (0..count).find(|&i| !done[i] && constants.ncols() > 0 && constants.row(i).amax() > NONE * size);
     let independent = named.map_or(left, <[usize]>::to_vec);
     let slopes = DMatrix::from_fn(unknowns, independent.len(), |i, j| match follows[i] {
         Some(row) => -rows[(row, independent[j])],
@@ -86,7 +90,7 @@ pub(super) fn solve(
     });
     let constants =
         DMatrix::from_fn(unknowns, constants.ncols(), |i, j| follows[i].map_or(0.0, |row| -constants[(row, j)]));
-    Ok(Solution { independent, slopes, constants })
+    Ok(Solution { independent, slopes, constants, singular })
 }
 
 #[cfg(test)]
@@ -113,5 +117,18 @@ mod tests {
         let constants = DMatrix::from_row_slice(1, 1, &[-4.0]);
         let found = solve(rows, constants, None).ok().unwrap();
         assert_eq!((found.independent, found.slopes[(0, 0)], found.constants[(0, 0)]), (vec![1], -0.5, 2.0));
+        assert_eq!(found.singular, None);
+    }
+
+    #[test]
+    fn rows_that_are_left_without_unknowns_have_no_constants() {
+        let singular = |rows: [f64; 4], constants: [f64; 2]| {
+            let [rows, constants] = [DMatrix::from_row_slice(2, 2, &rows), DMatrix::from_row_slice(2, 1, &constants)];
+            solve(rows, constants, None).ok().unwrap().singular
+        };
+        assert_eq!(singular([1.0, 2.0, 10.0, 20.0], [3.0, 30.0]), None);
+        assert_eq!(singular([1.0, 2.0, 10.0, 20.0], [3.0, 31.0]), Some(1));
+        assert_eq!(singular([1.0, 2.0, 0.0, 0.0], [3.0, 1.0]), Some(1));
+        assert_eq!(singular([1.0, 2.0, 0.0, 0.0], [3.0, 0.0]), None);
     }
 }

@@ -49,7 +49,11 @@ pub(super) fn linearize(derivation: &Derivation, point: &Point, independent: &[u
         along_admissible_motions(derivation, point, [p, s, r])
     };
     if ![&by_position, &by_speed, &by_input].iter().all(|slopes| slopes.iter().all(|x| x.is_finite())) {
-        return Err(Failure::new("derivatives of accelerations are infinite or NaN at the state"));
+        let row = speeds.singular.map(|row| &derivation.constraints[row]);
+        let why = row.map_or(String::new(), |row| {
+            format!(": there `{row}` vanishes or depends on other constraints, but not in neighbouring states")
+        });
+        return Err(Failure::new(format_args!("derivatives of accelerations are infinite or NaN at the state{why}")));
     }
     let at = |matrix: &DMatrix<f64>, rows: &[usize]| matrix.select_rows(rows);
     let (coordinates, named) = (positions.independent.clone(), speeds.independent.clone());

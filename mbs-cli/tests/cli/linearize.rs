@@ -462,6 +462,21 @@ fn what_makes_no_sense_is_refused() {
     assert_eq!(many, "error: `mbs linearize` takes one state, not an array of them\n");
 }
 
+/// `x y = 0` asks for `δy = 0` beside the origin, and for nothing at it.
+#[test]
+fn rows_that_vanish_here_alone_are_named() {
+    let workshop = Workshop::new();
+    let text =
+        "mechanism Cross { coord x: m; coord y: m; kinetic += 1 kg*(dt(x)^2 + dt(y)^2); constraint lines: x*y = 0; }";
+    workshop.write("cross.mbs", text);
+    let report = workshop.bad(&["linearize", "cross.mbs", "--state", "{\"q\": [0, 0], \"qd\": [1, 0]}"]);
+    assert_eq!(
+        report,
+        "error: derivatives of accelerations are infinite or NaN at the state: there `lines` vanishes or depends on \
+         other constraints, but not in neighbouring states\n"
+    );
+}
+
 /// Of more than a hundred masses nothing but the dynamics is derived.
 #[test]
 fn what_needs_matrices_is_refused_where_they_are_not_derived() {
