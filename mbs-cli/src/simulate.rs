@@ -81,8 +81,8 @@ pub(crate) struct Arguments {
     /// Absolute tolerance of dop853 and dopri5 [default: 1e-12].
     #[arg(long, value_parser = positive, allow_negative_numbers = true)]
     atol: Option<f64>,
-    /// Seconds between rows, and the step of methods without error control, which is a little less where the duration is
-    /// no multiple of it; a thousandth of the duration if not given.
+    /// Seconds between rows, and the step of methods without error control, which is a little less where the duration
+    /// is no multiple of it; a thousandth of the duration if not given.
     #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true)]
     dt: Option<f64>,
     /// The longest step of dop853 and dopri5, which may step over what comes and goes in less time: a short push, a

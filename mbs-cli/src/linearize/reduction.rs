@@ -14,7 +14,8 @@ pub(super) struct Solution {
     /// One row per unknown.
     pub(super) slopes: DMatrix<f64>,
     pub(super) constants: DMatrix<f64>,
-    /// A row of which constants alone are left: it vanishes or depends on the others here, but not in the neighbourhood.
+    /// A row of which constants alone are left: it vanishes or depends on the others here, but not in the
+    /// neighbourhood.
     pub(super) singular: Option<usize>,
 }
 

@@ -224,8 +224,8 @@ fn sampled(a: DMatrix<f64>, mut b: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatri
     phi.iter().chain(gamma.iter()).all(|x| x.is_finite()).then_some((phi, gamma))
 }
 
-/// Balanced by powers of two, in units of another one, and the powers `d` with `A = D A_balanced D⁻¹`: balancing squares
-/// entries, and does not end where they overflow.
+/// Balanced by powers of two, in units of another one, and the powers `d` with `A = D A_balanced D⁻¹`: balancing
+/// squares entries, and does not end where they overflow.
 fn balanced(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, f64, DVector<f64>) {
     // About 1e150. The greatest entry is left as large, so that the squares of small ones do not vanish.
     const LARGE: i32 = 498;

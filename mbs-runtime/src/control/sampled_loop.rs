@@ -5,7 +5,8 @@ use crate::integrator::{Integrator, Outcome, Step, Summary, rounding_of_clock};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
-/// Samples at `t₀ + k T` before the end; what is computed from one acts from `delay` later, and until the next one does.
+/// Samples at `t₀ + k T` before the end; what is computed from one acts from `delay` later, and until the next one
+/// does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SampledLoop<const U: usize> {
     /// T \[s\].

@@ -59,8 +59,8 @@ const B_BAR: [f64; 2] = [0.25 + ROOT / 12.0, 0.25 - ROOT / 12.0];
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct GaussLegendre4 {
-    /// The longest step, up to rounding \[s\]. The steps are equal and as many as needed, so that the last one ends where
-    /// it should.
+    /// The longest step, up to rounding \[s\]. The steps are equal and as many as needed, so that the last one ends
+    /// where it should.
     pub step: f64,
     /// The relative change of the accelerations at which the iteration ends, positive.
     pub tolerance: f64,
@@ -195,8 +195,8 @@ impl<V: Coordinates<Scalar: Real>> Work<V> {
                 continue;
             }
             stalled += 1;
-            // Changes that no longer decrease are rounding if the coordinates do not feel them, or hardly and for long, and
-            // velocities hardly; or if those of a state as good as this one differ by as much.
+            // Changes that no longer decrease are rounding if the coordinates do not feel them, or hardly and for long,
+            // and velocities hardly; or if those of a state as good as this one differ by as much.
             let speed = largest(&old.qd) + h.abs() * size;
             let reach = largest(&old.q) + h.abs() * speed;
             let (nothing, hardly) = (V::Scalar::from_f64(64.0) * V::Scalar::EPSILON, V::Scalar::EPSILON.sqrt());
@@ -399,8 +399,8 @@ mod tests {
         }
     }
 
-    /// Stiff springs far from the origin, which are off by some ulps: that is all that moves them, and no iteration tells
-    /// their accelerations better.
+    /// Stiff springs far from the origin, which are off by some ulps: that is all that moves them, and no iteration
+    /// tells their accelerations better.
     #[test]
     fn what_rests_far_away_is_rounding() {
         for ratio in [0.25, 0.5, 1.0] {

@@ -25,8 +25,8 @@ use crate::state::{Coordinates, State};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Rk4 {
-    /// The longest step, up to rounding \[s\]. The steps are equal and as many as needed, so that the last one ends where
-    /// it should.
+    /// The longest step, up to rounding \[s\]. The steps are equal and as many as needed, so that the last one ends
+    /// where it should.
     pub step: f64,
     /// The number of steps allowed in one integration.
     pub max_steps: usize,
