@@ -127,7 +127,7 @@ pub(crate) mod dop853;
 pub(crate) mod dopri5;
 #[cfg(feature = "std")]
 pub(crate) mod ensemble;
-mod fixed;
+pub(crate) mod fixed;
 pub(crate) mod gauss_legendre;
 mod hermite;
 #[cfg(all(test, feature = "std"))]
@@ -137,8 +137,6 @@ pub(crate) mod rk4;
 mod run;
 pub(crate) mod semi_implicit_euler;
 pub(crate) mod verlet;
-
-pub(crate) use fixed::rounding_of_clock;
 
 /// A method that integrates `q̈ = f(t, q, q̇)`.
 pub trait Integrator<T: Scalar> {

@@ -56,7 +56,7 @@ fn rk4_steps_by_dt() {
 fn fixed_steps_do_not_depend_on_the_time() {
     let workshop = Workshop::new();
     let energies = "kinetic += 0.5 kg*dt(x)^2; potential += (9.81 N)*x;";
-    workshop.write("fall.mbs", &format!("mechanism Fall {{ coord x: m; {energies} }}"));
+    workshop.write("fall.mbs", format!("mechanism Fall {{ coord x: m; {energies} }}"));
     let place = |start: &str, end: &str, method: &str, dt: &str| {
         let state = format!(r#"{{"t": {start}, "q": [0]}}"#);
         let all = ["simulate", "fall.mbs", "--state", &state, "--t-end", end, "--method", method, "--dt", dt];

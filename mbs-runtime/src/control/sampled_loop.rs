@@ -1,7 +1,8 @@
 //! A controller that sees samples, computes for a while, and holds what it found, in the loop with a motion.
 
 use crate::error::IntegrationError;
-use crate::integrator::{Integrator, Outcome, Step, Summary, rounding_of_clock};
+use crate::integrator::fixed::rounding_of_clock;
+use crate::integrator::{Integrator, Outcome, Step, Summary};
 use crate::scalar::Scalar;
 use crate::state::{Coordinates, State};
 
