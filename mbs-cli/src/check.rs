@@ -1,6 +1,6 @@
 //! `mbs check`: is the declaration good, and can its equations be proved.
 
-mod freedom;
+pub(crate) mod freedom;
 mod proof;
 
 use std::path::PathBuf;

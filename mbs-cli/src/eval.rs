@@ -8,6 +8,7 @@ use mbs_runtime::RedundantRows;
 use serde_json::{Map, Value, json};
 
 use crate::cache::Cache;
+use crate::check::freedom::warn_of_lost_rank;
 use crate::equations::{Equations, Redundant, Solver};
 use crate::failure::Failure;
 use crate::simulate::assembly;
@@ -47,6 +48,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         output::warn(format_args!("{} has no constraints, --redundant does nothing", derivation.name));
     }
     let evaluation = |point: &Point, place: &str| {
+        warn_of_lost_rank(&derivation, point, place)?;
         let all = evaluation(&derivation, point, Moving::of(&derivation, point, arguments.redundant)?);
         Ok(chosen(&derivation, point, all, &arguments.only, place))
     };

@@ -7,8 +7,9 @@ use mbs_runtime::RedundantRows;
 
 use crate::equations::Equations;
 use crate::failure::Failure;
+use crate::output;
 use crate::state::Point;
-use crate::words::plural;
+use crate::words::{abridged, plural};
 
 /// This many guesses of each size are brought onto the constraints.
 const GUESSES: usize = 6;
@@ -56,6 +57,37 @@ impl Freedom {
             }
         }
     }
+}
+
+/// Beyond this many operations the rank at a state is not looked at.
+const MOST_OPERATIONS: usize = 100_000_000;
+
+/// Warns where fewer rows of the constraints are independent at a state than `mbs check` counts: the mechanism has more
+/// degrees of freedom there, or a row is missing.
+pub(crate) fn warn_of_lost_rank(derivation: &Derivation, point: &Point, place: &str) -> Result<(), Failure> {
+    let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
+    if rows == 0 || coordinates.saturating_mul(rows).saturating_mul(rows) > MOST_OPERATIONS {
+        return Ok(());
+    }
+    let equations = Equations::new(derivation, point)?;
+    let mut dependent = Vec::new();
+    let mut projector = equations.projector(RedundantRows::LeaveOut);
+    let found = projector.rank(&equations, point.state.t, &point.state.q, |row| dependent.push(row));
+    // What is not finite there is reported as such.
+    let Ok(here) = found else { return Ok(()) };
+    let elsewhere = if here < rows { rank(derivation)?.unwrap_or(here) } else { here };
+    if here < elsewhere {
+        let names: Vec<String> = dependent.iter().map(|&row| format!("`{}`", derivation.constraints[row])).collect();
+        let depend = if names.len() == 1 { "depends" } else { "depend" };
+        let free = plural(coordinates - here, "degree of freedom", "degrees of freedom");
+        output::warn(format_args!(
+            "at {place} the rank of the constraints is {here}, at other states {elsewhere}: {} {depend} on other rows there: \
+             {free} instead of {}; where the mechanism has no more there, a row is missing, see `mbs explain MBS1006`",
+            abridged(&names),
+            coordinates - elsewhere
+        ));
+    }
+    Ok(())
 }
 
 /// The least rank of the constraints at the states that guesses of several sizes lead to.

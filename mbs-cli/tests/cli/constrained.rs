@@ -348,3 +348,29 @@ fn freedom_is_counted_by_rows_and_by_rank() {
     let expected = ", 6 constraint rows of rank 5: 1 degree of freedom (Grübler counts 0); proved at ";
     assert!(parallel.contains(expected), "{parallel}");
 }
+
+#[test]
+fn a_state_at_which_rows_are_missing_is_reported() {
+    let workshop = workshop();
+    // A wheel that may not slide along its axle, by two rows of which one is nothing where the axle is along x.
+    let slides = "mechanism Wheels { param m: kg = 1; coord x: m; coord y: m; coord yaw: rad;
+        kinetic += particle(m, [x, y, 0]) + 1/2*m*(1 m^2)*dt(yaw)^2;
+        let axle = [cos(yaw), sin(yaw), 0];
+        constraint blade: dt([x, y, 0]).dot(axle) = 0; constraint along: dt(x) = 0; }";
+    workshop.write("slides.mbs", slides);
+    let warning = "warning: at the state the rank of the constraints is 1, at other states 2: `along` depends on other \
+                   rows there: 2 degrees of freedom instead of 1; where the mechanism has no more there, a row is \
+                   missing, see `mbs explain MBS1006`\n";
+    for command in ["eval", "linearize"] {
+        let there = workshop.mbs(&[command, "slides.mbs", "--state", r#"{"yaw": 0}"#]);
+        assert_eq!((there.code, there.stderr.as_str()), (0, warning), "{command}");
+        workshop.good(&[command, "slides.mbs", "--state", r#"{"yaw": 0.3}"#]);
+    }
+    // Rows that depend on each other at every state on the constraints are none that are missing.
+    workshop.good(&[
+        "eval",
+        "parallel.mbs",
+        "--state",
+        r#"{"a": ["90 deg", "90 deg", "90 deg"], "x": 0.5, "z": 0.5, "phi": 0}"#,
+    ]);
+}

@@ -11,6 +11,7 @@ pub(super) mod degree;
 pub(in crate::model) mod inertia;
 pub(in crate::model) mod misplaced;
 pub(in crate::model) mod rank;
+pub(in crate::model) mod relation;
 pub(crate) mod requirement;
 pub(crate) mod sample;
 pub(in crate::model) mod sign;
@@ -23,7 +24,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
-use crate::model::check::degree::Problem;
+use crate::model::check::degree::{IF_INDEPENDENT, Problem};
+use crate::model::check::relation::Relation;
 use crate::model::check::sample::default_parameters;
 use crate::model::lagrangian::Constraint;
 use crate::model::names::family::Family;
@@ -131,7 +133,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
                 Problem::ConstraintNotLinear(constraint)
-                | Problem::DependentConstraint(constraint, _)
+                | Problem::DependentConstraint(constraint, ..)
                 | Problem::DegenerateConstraint(constraint) => self.found.places.constraints.get(*constraint).cloned(),
                 Problem::NeverFinite => None,
             };
@@ -145,7 +147,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
 
     /// Of a constraint between vectors some of whose components follow from others: which, and those to keep.
     fn in_components(&self, problem: &Problem) -> Option<(String, String)> {
-        let Problem::DependentConstraint(number, dependent) = problem else { return None };
+        let Problem::DependentConstraint(number, dependent, relation) = problem else { return None };
         let difference = self.found.places.differences.get(*number)?.as_ref()?;
         let effective = self.found.effective_rows.get(*number).filter(|effective| effective.len() == 3)?;
         let components: Vec<&str> =
@@ -157,6 +159,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let name = &self.lagrangian.constraints[*number].name;
         if kept.is_empty() {
             return None;
+        }
+        if *relation == Relation::Turning {
+            return Some(along_a_turning_direction(name, [out.len(), kept.len()], difference));
         }
         let kept = match kept.as_slice() {
             [one] => named(&[*one], "v."),
@@ -171,7 +176,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             "the world {which} {} of the constraint `{name}` {follow} from the other rows, or {contradict} them",
             named(&out, "")
         );
-        Some((message, format!("keep the others: `{kept} = 0`, with `let v = {difference};`")))
+        let condition = if *relation == Relation::Constant { "" } else { IF_INDEPENDENT };
+        Some((message, format!("keep the others: `{kept} = 0`, with `let v = {difference};`{condition}")))
     }
 
     /// Where the coordinate with this number is declared.
@@ -230,6 +236,37 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn span_of(&self, name: &str) -> Span {
         self.names.scope.get(name).map_or(0..0, |binding| binding.span.clone())
     }
+}
+
+/// No component in world axes may be left out: where the direction is across its axis, the others are too few.
+fn along_a_turning_direction(name: &str, [out, kept]: [usize; 2], difference: &str) -> (String, String) {
+    let message = |directions: &str| {
+        format!(
+            "along {directions} with the state, the constraint `{name}` follows from the other rows, or contradicts them"
+        )
+    };
+    let (message, keep, axis) = match (out, kept) {
+        (1, 1) => (
+            message("a direction that changes"),
+            "keep 1 component, across that direction: `v.dot(pose*[1, 0, 0]) = 0`",
+            "y axis has that direction",
+        ),
+        (1, _) => (
+            message("a direction that changes"),
+            "keep 2 components, across that direction: `[v.dot(pose*[1, 0, 0]), v.dot(pose*[0, 0, 1])] = 0`",
+            "y axis has that direction",
+        ),
+        _ => (
+            message("two directions that change"),
+            "keep 1 component, across both directions: `v.dot(pose*[1, 0, 0]) = 0`",
+            "x axis is across both",
+        ),
+    };
+    let help = format!(
+        "{keep}, with `let v = {difference};` and a `pose` whose {axis} at every state; components in world axes are not \
+         enough at every state"
+    );
+    (message, help)
 }
 
 // ---- bodies

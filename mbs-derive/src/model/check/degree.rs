@@ -16,6 +16,7 @@ use crate::variable::component_names;
 
 use crate::model::check::inertia::{self, Motion};
 use crate::model::check::rank::VelocityEquations;
+use crate::model::check::relation::Relation;
 use crate::model::check::sample::default_parameters;
 use crate::model::check::velocity;
 use crate::model::frame::Edge;
@@ -42,8 +43,8 @@ pub(crate) enum Problem {
     NeverFinite,
     /// The constraint with this number is not linear in the velocities.
     ConstraintNotLinear(usize),
-    /// Of the constraint with this number these rows are determined by the other rows before them.
-    DependentConstraint(usize, Vec<usize>),
+    /// Of the constraint with this number these rows are determined by other rows, in this way.
+    DependentConstraint(usize, Vec<usize>, Relation),
     /// The gradient of a row of the constraint with this number vanishes wherever the row holds.
     DegenerateConstraint(usize),
 }
@@ -85,7 +86,7 @@ impl Problem {
             Problem::NegativeKinetic(_) => "kinetic energy is never negative, this term is".to_string(),
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),
             Problem::ConstraintNotLinear(_) => "a constraint must be linear in the velocities".to_string(),
-            Problem::DependentConstraint(i, rows) => dependent_rows(&lagrangian.constraints[*i], rows),
+            Problem::DependentConstraint(i, rows, _) => dependent_rows(&lagrangian.constraints[*i], rows),
             Problem::DegenerateConstraint(i) => format!(
                 "where the constraint `{}` holds its gradient vanishes or is not finite: no force can keep it",
                 lagrangian.constraints[*i].name
@@ -126,10 +127,11 @@ impl Problem {
             Problem::ConstraintNotLinear(_) => {
                 "only `a(q, t)·q̇ + b(q, t) = 0` leads to a constraint force `Aᵀλ`".to_string()
             }
-            Problem::DependentConstraint(i, rows) if rows.len() == lagrangian.constraints[*i].rows.len() => {
-                "leave it out".to_string()
+            Problem::DependentConstraint(i, rows, relation) => {
+                let is_all = rows.len() == lagrangian.constraints[*i].rows.len();
+                let leave = if is_all { "leave it out" } else { "keep its other rows only" };
+                leave.to_string() + if *relation == Relation::Constant { "" } else { IF_INDEPENDENT }
             }
-            Problem::DependentConstraint(..) => "keep its other rows only".to_string(),
             Problem::DegenerateConstraint(_) => {
                 "write what is zero itself, not its square, its length or its greatest value: `x + y = 0` for `(x + y)^2 = 0`, \
                  `a = b` for `(a - b).norm() = 0`, `theta = pi/2` for `sin(theta) = 1`"
@@ -138,6 +140,10 @@ impl Problem {
         }
     }
 }
+
+/// Where rows follow from others by multiples that change with the state, the rows that are left may be too few.
+pub(in crate::model) const IF_INDEPENDENT: &str = ", if the rows that are left are independent at every state; else write \
+     rows in axes that turn with the mechanism: `v.dot(pose*[1, 0, 0]) = 0`";
 
 fn dependent_rows(constraint: &Constraint<'_>, rows: &[usize]) -> String {
     let (name, count) = (&constraint.name, constraint.rows.len());

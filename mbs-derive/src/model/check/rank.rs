@@ -3,6 +3,7 @@
 use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value, sparse};
 
 use crate::model::check::degree::{Line, Problem, seems_beyond};
+use crate::model::check::relation;
 use crate::model::check::velocity;
 use crate::model::lagrangian::{ConstraintKind, Draft};
 use crate::numeric::echelon::Echelon;
@@ -96,15 +97,23 @@ impl VelocityEquations {
         if !degenerate.is_empty() {
             return degenerate;
         }
-        let mut problems: Vec<Problem> = Vec::new();
-        for row in self.dependent_rows(lines, lagrangian.dof()) {
-            let (number, row) = self.owners[row];
-            match problems.last_mut() {
-                Some(Problem::DependentConstraint(last, rows)) if *last == number => rows.push(row),
-                _ => problems.push(Problem::DependentConstraint(number, vec![row])),
-            }
-        }
-        problems
+        let dependent = self.dependent_rows(lines, lagrangian.dof());
+        self.by_constraint(lines, lagrangian.dof(), &dependent)
+    }
+
+    /// Dependent rows by constraints, each with how its rows follow.
+    fn by_constraint(&self, lines: &[Line], n: usize, dependent: &[usize]) -> Vec<Problem> {
+        let kept: Vec<usize> = (0..self.owners.len()).filter(|row| !dependent.contains(row)).collect();
+        let finite = |rows: &Vec<Vec<f64>>| rows.iter().flatten().all(|x| x.is_finite());
+        let states = || lines.iter().map(|line| self.pfaffian(line, n)).filter(finite).collect();
+        let states: Vec<_> = if dependent.is_empty() { Vec::new() } else { states() };
+        let constraints = dependent.chunk_by(|a, b| self.owners[*a].0 == self.owners[*b].0);
+        let problem = |rows: &[usize]| {
+            let number = self.owners[rows[0]].0;
+            let relation = relation::of(&states, rows, &kept, |row| self.owners[row].0 == number);
+            Problem::DependentConstraint(number, rows.iter().map(|&row| self.owners[row].1).collect(), relation)
+        };
+        constraints.map(problem).collect()
     }
 
     /// The rows that are at all states sums of multiples of those before them. Of a row for which every motion is
