@@ -69,6 +69,7 @@ pub(crate) fn resolve<'g>(
         if report.errors.has_errors() {
             return Err(report.errors);
         }
+        resolver.warn_of_idle_reactions(&lagrangian);
         resolver.lagrangian.released = Some(Box::new(Lagrangian(lagrangian)));
     }
     resolver.report.errors.append(declaration.warnings.clone());

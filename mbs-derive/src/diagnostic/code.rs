@@ -193,6 +193,7 @@ codes! {
     ReactionTooLate = 1104,
     UnknownShape = 1105,
     SizeOfAShape = 1106,
+    IdleReaction = 1107,
 
     // The proof.
     NotProved = 1201,

@@ -12,9 +12,9 @@
 //! whose generalized forces, where all of them are zero, are the force and the moment at the joint.
 
 use crate::diagnostic::Code;
-use crate::expr::{Expr, Graph, Symbol, Vector};
+use crate::expr::{Expr, Graph, Symbol, Tape, Vector};
 use crate::model::frame::Edge;
-use crate::model::lagrangian::{AUXILIARY, Reaction};
+use crate::model::lagrangian::{AUXILIARY, Draft, Reaction};
 use crate::model::names::element::shown;
 use crate::model::names::family::Family;
 use crate::model::value::evaluate::{Argument, Refused, Resolved, Resolver};
@@ -52,6 +52,8 @@ pub(in crate::model) struct Released<'g> {
 pub(in crate::model) struct Joint {
     pub(in crate::model) family: Family,
     docs: Vec<String>,
+    /// The name that holds the pose of the first of them.
+    pose: String,
 }
 
 impl Hold<'_> {
@@ -87,7 +89,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let element = self.element_that_holds(pose, element);
         let held = element.clone().and_then(|element| self.held(pose, element.as_deref()));
         let number = number?;
-        self.note_joint(docs, name, number)?;
+        self.note_joint(docs, name, number, pose)?;
         let (held, element) = (held?, element?);
         let Some(auxiliary) = self.auxiliary(&name.text, number.unwrap_or(0)) else { return Ok(()) };
         let base = self.attached(&held, &pose.span)?;
@@ -124,7 +126,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return Err(self.wrong_shape(&Argument { value, span: pose.span.clone() }, Shape::Pose));
         };
         if self.names.scope.get(&pose.text).is_none() {
-            let help = "name a pose that is made of it: `let base = world; reaction name at base;`";
+            let help = "name a pose that is made of it, and build on it what the joint carries: \
+                        `let base = world; reaction name at base; let part = base * …;`";
             return Err(self.refuse(Code::ReactionOfAName, &pose.span, format!("`{}` is built in", pose.text), help));
         }
         if let Some(place) = used {
@@ -151,14 +154,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
     }
 
-    fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>) -> Resolved<()> {
+    fn note_joint(&mut self, docs: &[String], name: &Name, number: Option<usize>, pose: &Name) -> Resolved<()> {
         match self.found.joints.iter().position(|joint| joint.family.name.text == name.text) {
             Some(known) => {
                 self.join(|resolver| &mut resolver.found.joints[known].family, name, number, "reaction")?;
             }
             None => {
                 self.check_reaction_name(name)?;
-                self.found.joints.push(Joint { family: Family::new(name, number), docs: docs.to_vec() });
+                let (family, docs) = (Family::new(name, number), docs.to_vec());
+                self.found.joints.push(Joint { family, docs, pose: pose.text.clone() });
             }
         }
         Ok(())
@@ -177,7 +181,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     pub(in crate::model) fn check_reactions(&mut self) {
         let mut reactions: Vec<Reaction> = Vec::new();
         let total: usize = self.found.joints.iter().map(|joint| joint.family.count()).sum();
-        for Joint { family, docs } in self.found.joints.clone() {
+        for Joint { family, docs, .. } in self.found.joints.clone() {
             let _ = self.complete(&family, "reaction");
             let (name, length) = (family.name.clone(), family.length());
             let reaction = Reaction { name: name.text, docs, length };
@@ -221,6 +225,42 @@ impl<'g> Resolver<'_, 'g> {
         let known = effective_rows.get(self.lagrangian.constraints.len()).filter(|known| known.len() == rows);
         // Where a constraint before it has been refused, nothing comes of this one.
         Some(known.cloned().unwrap_or_else(|| vec![true; rows]))
+    }
+
+    /// Of joints that carry nothing: what is let go moves no energy, no force and no constraint with it.
+    pub(in crate::model) fn warn_of_idle_reactions(&mut self, released: &Draft<'g>) {
+        let energies = [&released.kinetic, &released.potential, &released.lagrangian, &released.dissipation];
+        let energies = energies.into_iter().flatten().copied();
+        let velocities = released.point_forces.iter().flat_map(|force| force.velocity.0);
+        let rows = released.constraints.iter().flat_map(|constraint| constraint.rows.iter().copied());
+        let moved = Tape::new(&energies.chain(velocities).chain(rows).collect::<Vec<_>>()).coordinates();
+        let mut first = self.lagrangian.dof();
+        for (reaction, joint) in self.lagrangian.reactions.iter().zip(&self.found.joints) {
+            let joints = reaction.component_names().len();
+            let carries = |number: usize| {
+                let own = first + AUXILIARY * number..first + AUXILIARY * (number + 1);
+                moved.iter().any(|coordinate| own.contains(coordinate))
+            };
+            let name = |number: usize| match reaction.length {
+                Some(_) => format!("`{}[{number}]`", reaction.name),
+                None => format!("`{}`", reaction.name),
+            };
+            let idle: Vec<String> = (0..joints).filter(|&number| !carries(number)).map(name).collect();
+            first += AUXILIARY * joints;
+            if !idle.is_empty() {
+                let (what, pose) = (if idle.len() == 1 { "is" } else { "are" }, &joint.pose);
+                let message = format!(
+                    "{} {what} zero at every state: nothing that has a mass, or that a force or a constraint acts on, is \
+                     built on `{pose}` behind this reaction",
+                    idle.join(", ")
+                );
+                let help = format!(
+                    "build on `{pose}` what the joint carries: `let part = {pose} * translation([x, y, z]);`; what is written \
+                     in world coordinates does not rest on it"
+                );
+                self.report.errors.warning(Code::IdleReaction, joint.family.name.span.clone(), message).help(help);
+            }
+        }
     }
 
     /// The auxiliary coordinates of a joint, if it is let go.
@@ -317,5 +357,33 @@ mod tests {
             &format!("{ARM} reaction r[1] at arm;"),
             "r: there is no reaction `r[0]`; indices run from 0 on, without gaps",
         );
+    }
+
+    #[test]
+    fn a_joint_that_carries_nothing_is_reported() {
+        let warning = |statements: &str| {
+            let source = format!("mechanism A {{ param m: kg = 1; coord x: m; coord z: m; {statements} }}");
+            crate::model::check::trial::resolved(&source, |result| match result {
+                Ok((_, warnings)) => warnings.render("trial", &source),
+                Err(errors) => panic!("{}", errors.render("trial", &source)),
+            })
+        };
+        let floor = "let floor = world; reaction ground at floor;";
+        let idle = warning(&format!("{floor} kinetic += particle(m, [x, 0, z]);"));
+        assert!(idle.contains("warning[MBS1107]: `ground` is zero at every state: nothing that has a mass"), "{idle}");
+        for built in [
+            "kinetic += particle(m, floor.point([x, 0, z]));",
+            "kinetic += particle(m, [x, 0, z]); force at floor.origin() += [0, 0, -1 N];",
+            "kinetic += particle(m, [x, 0, z]); constraint on: floor.point([0, 0, 1 m]).z = z;",
+        ] {
+            assert_eq!(warning(&format!("{floor} {built}")), "", "{built}");
+        }
+        let two = "let mut a = world; for i in 0..2 { a = a * translation([x, 0, 0]); reaction r[i] at a; }";
+        let second = warning(&format!("{two} kinetic += particle(m, a.point([0, 0, z]));"));
+        assert_eq!(second, "");
+        let last = "let b = translation([x, 0, 0]); let mut a = b; \
+                    for i in 0..2 { a = b * translation([0, 0, z]); reaction r[i] at a; \
+                    if i == 0 { kinetic += particle(m, a.origin()); } }";
+        assert!(warning(last).contains("`r[1]` is zero at every state"), "{}", warning(last));
     }
 }
