@@ -124,7 +124,13 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let moves = exprs.iter().any(|&e| self.known.facts.dependence(e).moves());
         if moves {
             let message = format!("{what} must be constant in time");
-            let help = "for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`";
+            let help = if what == "a mass" {
+                "write the kinetic energy out, `1/2 * m * dt(r).norm_squared()`, and the force of the mass that comes or \
+                 leaves: `force at r += dt(m)*dt(r);` of a rocket with m(t), besides its thrust; see `mbs explain MBS0907`"
+            } else {
+                "write the kinetic energy out, `1/2 * j * dt(q)^2` about one axis, and the moment of the mass that comes or \
+                 leaves: `force q += dt(j)*dt(q);` of a rocket with j(t); see `mbs explain MBS0907`"
+            };
             return Err(self.refuse(Code::MassThatChanges, span, message, help));
         }
         Ok(())
@@ -272,7 +278,9 @@ mod tests {
         );
         refused(
             "kinetic += particle(m*cos(theta), [x, y, z]);",
-            "m*cos(theta): a mass must be constant in time; for anything else write the kinetic energy out: `1/2 * m * dt(r).norm_squared()`",
+            "m*cos(theta): a mass must be constant in time; write the kinetic energy out, `1/2 * m * dt(r).norm_squared()`, and the \
+             force of the mass that comes or leaves: `force at r += dt(m)*dt(r);` of a rocket with m(t), besides its thrust; \
+             see `mbs explain MBS0907`",
         );
         refused(
             "kinetic += particle(m, [theta, 0, 0]);",
