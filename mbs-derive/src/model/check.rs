@@ -130,7 +130,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 }
                 Problem::LagrangianNotQuadratic(term) => self.found.places.lagrangian.get(*term).cloned(),
                 Problem::PotentialDependsOnVelocity(term) => self.found.places.potential.get(*term).cloned(),
-                Problem::NoInertia(coordinate) | Problem::NegativeInertia(coordinate) => self.place_of(*coordinate),
+                Problem::NoInertia(coordinate)
+                | Problem::NegativeInertia(coordinate)
+                | Problem::NegativeSignal(coordinate, _) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
                 Problem::ConstraintNotLinear(constraint)
                 | Problem::DependentConstraint(constraint, ..)

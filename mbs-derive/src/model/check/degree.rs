@@ -21,6 +21,7 @@ use crate::model::check::sample::default_parameters;
 use crate::model::check::velocity;
 use crate::model::frame::Edge;
 use crate::model::lagrangian::{Constraint, Draft};
+use crate::model::names::element::shown;
 
 /// A mistake in the energies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -37,6 +38,9 @@ pub(crate) enum Problem {
     DependentInertia(Vec<usize>),
     /// Moving this coordinate, or it with others, costs negative kinetic energy.
     NegativeInertia(usize),
+    /// Moving this coordinate, or it with others, costs negative kinetic energy where this signal is negative, and never
+    /// where it is not.
+    NegativeSignal(usize, String),
     /// The kinetic term with this number is never positive, and the energy of some motion is negative.
     NegativeKinetic(usize),
     /// The energies are not finite at any sampled state.
@@ -57,7 +61,9 @@ impl Problem {
             Problem::PotentialDependsOnVelocity(_) => Code::VelocityInPotential,
             Problem::NoInertia(_) => Code::NoInertia,
             Problem::DependentInertia(_) => Code::DependentInertia,
-            Problem::NegativeInertia(_) | Problem::NegativeKinetic(_) => Code::NegativeEnergy,
+            Problem::NegativeInertia(_) | Problem::NegativeSignal(..) | Problem::NegativeKinetic(_) => {
+                Code::NegativeEnergy
+            }
             Problem::NeverFinite => Code::NeverFinite,
             Problem::ConstraintNotLinear(_) => Code::ConstraintNotLinear,
             Problem::DependentConstraint(..) => Code::DependentConstraint,
@@ -83,6 +89,11 @@ impl Problem {
                 )
             }
             Problem::NegativeInertia(i) => format!("the kinetic energy is negative for some motion of `{}`", names[*i]),
+            Problem::NegativeSignal(i, signal) => format!(
+                "the kinetic energy is negative for some motion of `{}` where the signal `{signal}` is negative, as it may be \
+                 at run time",
+                names[*i]
+            ),
             Problem::NegativeKinetic(_) => "kinetic energy is never negative, this term is".to_string(),
             Problem::NeverFinite => "the energies are not finite at any of the sampled states".to_string(),
             Problem::ConstraintNotLinear(_) => "a constraint must be linear in the velocities".to_string(),
@@ -120,6 +131,10 @@ impl Problem {
                 "leave out the minus, or check the sign of the mass; the energy of springs and weights is `potential += …;`"
                     .to_string()
             }
+            Problem::NegativeSignal(_, signal) => format!(
+                "where it never is, say so: write `max({signal}, …)` in its place, with the least value that it takes; or \
+                 declare it by a formula"
+            ),
             Problem::NegativeInertia(_) => "check the signs of the kinetic terms, and masses and inertias".to_string(),
             Problem::NeverFinite => {
                 "check the domains of `sqrt`, `ln`, `asin`, `acos`, divisions, and the defaults of the parameters".to_string()
@@ -207,7 +222,10 @@ pub(crate) fn problems(lagrangian: &Draft<'_>) -> Vec<Problem> {
     if found.is_empty() {
         found.extend(inertia::problem(&energies.motion, &constraints, &states, lagrangian.dof()));
     }
-    if let [Problem::NegativeInertia(_)] = found.as_slice() {
+    if let [Problem::NegativeInertia(coordinate)] = *found.as_slice() {
+        if let Some(signal) = energies.negative_signal(&constraints, &states, lagrangian) {
+            return vec![Problem::NegativeSignal(coordinate, signal)];
+        }
         let culprits = energies.never_positive(&states);
         found = if culprits.is_empty() { found } else { culprits };
     }
@@ -215,6 +233,7 @@ pub(crate) fn problems(lagrangian: &Draft<'_>) -> Vec<Problem> {
 }
 
 /// A state and a direction of velocities through it.
+#[derive(Clone)]
 pub(in crate::model) struct Line {
     pub(in crate::model) state: State,
     pub(in crate::model) direction: Vec<f64>,
@@ -332,11 +351,58 @@ impl Energies {
         [0.0, 1.0, 2.0, 3.0].iter().all(|&s| self.total.run(line.point(s))[0].value.is_finite())
     }
 
+    /// The first signal without which there is no negative energy, all others being positive.
+    fn negative_signal(
+        &self,
+        constraints: &VelocityEquations,
+        lines: &[Line],
+        lagrangian: &Draft<'_>,
+    ) -> Option<String> {
+        let names = lagrangian.prescribed.iter().flat_map(|signal| match signal.length {
+            Some(length) => (0..length).map(|i| shown(&signal.name, &[i])).collect(),
+            None => vec![signal.name.clone()],
+        });
+        let is_negative = |kept: Option<usize>| {
+            let positive = |line: &Line| {
+                let mut line = line.clone();
+                let signals = line.state.prescribed.iter_mut().enumerate().filter(|(i, _)| Some(*i) != kept);
+                signals.for_each(|(_, signal)| signal[0] = signal[0].abs());
+                line
+            };
+            let lines: Vec<Line> = lines.iter().map(positive).collect();
+            let problem = inertia::problem(&self.motion, constraints, &lines, lagrangian.dof());
+            matches!(problem, Some(Problem::NegativeInertia(_)))
+        };
+        if lagrangian.prescribed.is_empty() || is_negative(None) {
+            return None;
+        }
+        names.enumerate().find(|(number, _)| is_negative(Some(*number))).map(|(_, name)| name)
+    }
+
     /// The kinetic terms that are negative somewhere and positive nowhere.
     fn never_positive(&self, lines: &[Line]) -> Vec<Problem> {
         let values: Vec<Vec<Dual<f64>>> = lines.iter().map(|line| self.kinetic.run(line.point(0.0))).collect();
         let of = |term: usize| values.iter().map(move |values| values[term].value);
         let negative = |term: &usize| of(*term).all(|value| value <= 0.0) && of(*term).any(|value| value < 0.0);
         (0..values[0].len()).filter(negative).map(Problem::NegativeKinetic).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::model::check::trial::refusals;
+
+    #[test]
+    fn a_signal_that_is_a_mass_may_be_negative() {
+        let refused =
+            |mass: &str| refusals(&format!("prescribed w[2]: kg; coord s: m; kinetic += 1/2*({mass})*dt(s)^2;"));
+        let message = "the kinetic energy is negative for some motion of `s` where the signal `w[1]` is negative, as it may \
+                       be at run time; where it never is, say so: write `max(w[1], …)` in its place, with the least value";
+        let found = refused("w[1]");
+        assert!(found.len() == 1 && found[0].contains(message), "{found:?}");
+        assert_eq!(refused("max(w[1], 1 kg)"), [""; 0]);
+        // A wrong sign is one, whatever the signal is.
+        assert!(refused("-max(w[1], 1 kg)")[0].contains("kinetic energy is never negative, this term is"));
+        assert!(refused("m*z/l + abs(w[1])")[0].contains("check the signs of the kinetic terms"));
     }
 }
