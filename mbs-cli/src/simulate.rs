@@ -100,12 +100,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COORDINATES", value_delimiter = ',')]
     hold: Vec<String>,
     /// An input over time: `push=2*sin(3*t)` is a formula in the model language of t, coordinates, velocities,
-    /// parameters and outputs; `push=@table.csv` a table of times and values, straight in between. May be given several
-    /// times.
+    /// parameters and outputs; `push=@table.csv` a table of times and values, straight in between. Of an array:
+    /// `tau_0=…`, `tau[0]=…`, `tau=[…, …]`, `tau=@table.csv`. May be given several times.
     #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
     input: Vec<Drive>,
     /// A prescribed signal over time: a formula of t and parameters, which is differentiated; or a table, through which
-    /// a cubic spline goes. May be given several times.
+    /// a cubic spline goes, which overshoots beside jumps. Of an array as for --input. May be given several times.
     #[arg(long, value_name = "NAME=FORMULA|NAME=@FILE.csv")]
     signal: Vec<Drive>,
     /// Record more columns: outputs, inputs, accelerations, reactions, conserved; multipliers are recorded in any case.
@@ -170,7 +170,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         mesh::note(scene, &sources, &mut read);
         check_outputs(arguments, &mut read)?;
     }
-    let point = match state::read(&arguments.state, &derivation, &drives.signal_names())? {
+    let point = match state::read(&arguments.state, &derivation, &drives.signal_names(&derivation))? {
         Request::One(point) => point,
         Request::Many(points) => {
             return Err(Failure::new(format_args!(
@@ -182,6 +182,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let times = times(&point, arguments)?;
     warn_of_idle_options(arguments, &derivation);
     let driven = drives.resolved(&derivation, (times[0], times[times.len() - 1]))?;
+    driven.warn();
     let contradicts = |(i, [_, rate, acceleration]): (usize, &[f64; 3])| {
         !driven.gives_signal(i) && (*rate != 0.0 || *acceleration != 0.0)
     };

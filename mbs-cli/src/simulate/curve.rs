@@ -29,6 +29,24 @@ impl Curve {
         (self.x[0], self.x[self.x.len() - 1])
     }
 
+    /// The least and the greatest value of the points, and of the curve, where that leaves the range of the points by
+    /// more than half of it.
+    pub(crate) fn overshoot(&self) -> Option<[[f64; 2]; 2]> {
+        const PARTS: usize = 16;
+        let range = |values: &mut dyn Iterator<Item = f64>| {
+            values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], y| [least.min(y), most.max(y)])
+        };
+        let points = range(&mut self.y.iter().copied());
+        let between = |pair: &[f64]| {
+            let (start, length) = (pair[0], pair[1] - pair[0]);
+            (0..PARTS).map(move |part| start + length * part as f64 / PARTS as f64)
+        };
+        let places: Vec<f64> = self.x.windows(2).flat_map(between).collect();
+        let curve = range(&mut places.into_iter().map(|x| self.at(x)[0]));
+        let allowed = 0.5 * (points[1] - points[0]);
+        (curve[0] < points[0] - allowed || curve[1] > points[1] + allowed).then_some([points, curve])
+    }
+
     /// Value, first and second derivative; beyond the ends the outermost piece goes on.
     pub(crate) fn at(&self, t: f64) -> [f64; 3] {
         let i = self.x.partition_point(|&x| x <= t).clamp(1, self.x.len() - 1) - 1;

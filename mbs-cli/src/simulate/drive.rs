@@ -6,10 +6,14 @@
 //! part of the declaration, so that they are checked and differentiated as it is: an output for an input, the value of
 //! the `prescribed` statement for a signal.
 //!
+//! An array is given element by element, `road_0=…` or `road[0]=…`, or as a whole, `road=[…, …]` and `road=@table.csv`.
+//!
 //! In a formula that names nothing but t, numbers are in SI units: `2*sin(3*t)` is `2 N * sin(3 rad/s * t)` of a force.
 //! In all others dimensions are checked.
 
-use std::fs;
+mod element;
+mod table;
+
 use std::path::{Path, PathBuf};
 
 use mbs_derive::interpret::State;
@@ -20,17 +24,23 @@ use mbs_derive::parse::{Statement, StatementKind};
 use mbs_derive::source::Sources;
 use mbs_derive::variable::{Variable, component_names};
 
+use self::element::Kind;
+use self::table::{Wanted, table};
 use super::curve::Curve;
 use crate::equations::Equations;
 use crate::failure::Failure;
 use crate::files::Files;
 use crate::message::Messages;
+use crate::output;
 use crate::state::hint;
 
 /// `name=formula` or `name=@file`.
 #[derive(Clone, Debug)]
 pub(crate) struct Drive {
+    /// As in tables: `road_0`.
     name: String,
+    /// As given: `road[0]`.
+    given: String,
     source: Source,
 }
 
@@ -47,7 +57,7 @@ impl Drive {
             Some(file) => Source::Table(folder.join(file)),
             None => Source::Formula(value.trim().to_string()),
         };
-        Drive { name: name.to_string(), source }
+        Drive { name: element::column(name), given: name.to_string(), source }
     }
 
     /// The file of its table, if it is one.
@@ -100,9 +110,10 @@ impl Drives<'_> {
         }
     }
 
-    /// The signals that tables give.
-    pub(crate) fn signal_names(&self) -> Vec<String> {
-        self.signals.iter().map(|drive| drive.name.clone()).collect()
+    /// The components of signals that tables give.
+    pub(crate) fn signal_names(&self, derivation: &Derivation) -> Vec<String> {
+        let of = |drive: &Drive| element::components(&derivation.prescribed, &drive.name).unwrap_or_default();
+        self.signals.iter().flat_map(of).map(|(_, name)| name).collect()
     }
 
     /// The declaration with the formulas in it.
@@ -130,48 +141,40 @@ impl Drives<'_> {
             let (number, unit) = value.split_once(' ').unwrap_or((value, "1"));
             constants += &format!("param {name}: {unit} = {number}; ");
         }
+        let signals = element::declared(&text, &declaration.statements, Kind::Signal);
         for drive in self.signals {
-            let Source::Formula(formula) = &drive.source else { continue };
-            check_formula(signal, &drive.name, formula)?;
-            let place = declaration.statements.iter().find_map(|statement| match &statement.kind {
-                StatementKind::Prescribed(quantity) if quantity.name.text == drive.name => Some((statement, quantity)),
-                _ => None,
-            });
-            match place {
-                Some((_, quantity)) if quantity.value.is_some() => {
-                    let name = &drive.name;
-                    return Err(Failure::new(format_args!(
-                        "{signal} {name}: `{name}` is declared by a formula already"
-                    )));
+            if let Source::Formula(formula) = &drive.source {
+                check_formula(signal, &drive.given, formula)?;
+                if !signals.iter().any(|known| known.is_called(&drive.name)) {
+                    return Err(unknown(signal, "prescribed signal", &drive.given, &element::names(&signals)));
                 }
-                Some((statement, quantity)) => {
-                    let unit = quantity.unit.as_ref().map_or("1".to_string(), ToString::to_string);
-                    insertions.push((statement.span.end - 1, format!(" = {}", in_si_units(formula, &drive.name))));
-                    constants += &unit_constant(&drive.name, &unit);
-                }
-                None => {
-                    return Err(unknown(
-                        signal,
-                        "prescribed signal",
-                        &drive.name,
-                        &prescribed(&declaration.statements),
-                    ));
-                }
+            }
+        }
+        for known in &signals {
+            let drives: Vec<&Drive> = self.signals.iter().filter(|drive| known.is_called(&drive.name)).collect();
+            let value = known.value_of(&drives).map_err(|reason| Failure::new(format_args!("{signal} {reason}")))?;
+            if let Some(value) = value {
+                insertions.push((known.end, format!(" = {value}")));
+                constants += &unit_constant(&known.name, &known.unit);
             }
         }
         let end = own.last().map_or_else(|| text.rfind('}').unwrap_or(0), |statement| statement.span.end);
         let mut added = String::new();
+        let inputs = element::declared(&text, &declaration.statements, Kind::Input);
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
-            // What is no name is no input: `resolved` says so, and which there are.
-            if !drive.name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-                continue;
+            // Of what is no input `resolved` says so, and which there are.
+            let Some(known) = inputs.iter().find(|known| known.is_called(&drive.name)) else { continue };
+            check_formula(input, &drive.given, formula)?;
+            let refused = |reason: String| Failure::new(format_args!("{input} {reason}"));
+            for (name, formula) in known.formulas_of(drive, formula).map_err(refused)? {
+                if added.contains(&format!(" output {} = ", formula_name(&name))) {
+                    return Err(Failure::new(format_args!("{input} {name} is given twice")));
+                }
+                added += &outputs_in(&formula, &text, own, &added);
+                constants += &unit_constant(&name, &known.unit);
+                added += &format!(" output {} = {};", formula_name(&name), in_si_units(&formula, &name));
             }
-            check_formula(input, &drive.name, formula)?;
-            added += &outputs_in(formula, &text, own, &added);
-            let unit = unit_of_input(&declaration.statements, &drive.name).unwrap_or("1".to_string());
-            constants += &unit_constant(&drive.name, &unit);
-            added += &format!(" output {} = {};", formula_name(&drive.name), in_si_units(formula, &drive.name));
         }
         for (number, formula) in self.watched.iter().enumerate() {
             added += &outputs_in(formula, &text, own, &added);
@@ -190,28 +193,51 @@ impl Drives<'_> {
     /// What gives the inputs and signals of a mechanism that was declared [so](Self::declared).
     pub(crate) fn resolved(&self, derivation: &Derivation, span: (f64, f64)) -> Result<Driven, Failure> {
         let mut driven = Driven::default();
-        let inputs = component_names(&derivation.inputs);
+        let [input, signal] = self.options;
         for drive in self.inputs {
-            let known = inputs.iter().position(|name| *name == drive.name);
-            let index = known.ok_or_else(|| unknown(self.options[0], "input", &drive.name, &inputs))?;
-            let given = match &drive.source {
-                Source::Table(path) => Given::Curve(table(
-                    path,
-                    &quantity(&derivation.inputs, index, &drive.name),
-                    span,
-                    Curve::broken_line,
-                )?),
-                Source::Formula(_) => Given::Function(formula(self.options[0], derivation, index, &drive.name)?),
-            };
-            driven.inputs.push((index, given));
+            let known = element::components(&derivation.inputs, &drive.name);
+            let known =
+                known.ok_or_else(|| unknown(input, "input", &drive.given, &component_names(&derivation.inputs)))?;
+            let beyond = formula_name(&format!("{}_{}", drive.name, known.len()));
+            if known.len() > 1 && derivation.functions.iter().any(|f| f.name == beyond) {
+                let many = format!("the array has {} elements, the formula more", known.len());
+                return Err(Failure::new(format_args!("{input} {}: {many}", drive.given)));
+            }
+            for (index, name) in known {
+                if driven.inputs.iter().any(|(other, _)| *other == index) {
+                    return Err(Failure::new(format_args!("{input} {name} is given twice")));
+                }
+                let given = match &drive.source {
+                    Source::Table(path) => {
+                        let wanted = quantity(&derivation.inputs, index, &name);
+                        Given::Curve(table(path, &wanted, span, Curve::broken_line)?)
+                    }
+                    Source::Formula(_) => Given::Function(formula(input, derivation, index, &name)?),
+                };
+                driven.inputs.push((index, given));
+            }
         }
-        let signals = component_names(&derivation.prescribed);
         for drive in self.signals {
             let Source::Table(path) = &drive.source else { continue };
-            let known = signals.iter().position(|name| *name == drive.name);
-            let index = known.ok_or_else(|| unknown(self.options[1], "prescribed signal", &drive.name, &signals))?;
-            let wanted = quantity(&derivation.prescribed, index, &drive.name);
-            driven.signals.push((index, table(path, &wanted, span, Curve::spline)?));
+            let known = element::components(&derivation.prescribed, &drive.name);
+            let known = known.ok_or_else(|| {
+                unknown(signal, "prescribed signal", &drive.given, &component_names(&derivation.prescribed))
+            })?;
+            for (index, name) in known {
+                if driven.signals.iter().any(|(other, _)| *other == index) {
+                    return Err(Failure::new(format_args!("{signal} {name} is given twice")));
+                }
+                let wanted = quantity(&derivation.prescribed, index, &name);
+                let curve = table(path, &wanted, span, Curve::spline)?;
+                if let Some([[least, most], [lowest, highest]]) = curve.overshoot() {
+                    driven.doubts.push(format!(
+                        "{signal} {name}: the values of the table are from {least} to {most}, the cubic spline through them \
+                         goes from {lowest:.3} to {highest:.3}; give more rows where it bends, or `import` the table in the \
+                         mechanism and declare the signal by `table_monotone(t, times, values)`, which stays within them"
+                    ));
+                }
+                driven.signals.push((index, curve));
+            }
         }
         Ok(driven)
     }
@@ -222,6 +248,8 @@ impl Drives<'_> {
 pub(crate) struct Driven {
     inputs: Vec<(usize, Given)>,
     signals: Vec<(usize, Curve)>,
+    /// What may not have been meant.
+    doubts: Vec<String>,
 }
 
 #[derive(Clone, Debug)]
@@ -232,6 +260,11 @@ enum Given {
 }
 
 impl Driven {
+    /// Warns of what may not have been meant.
+    pub(crate) fn warn(&self) {
+        self.doubts.iter().for_each(output::warn);
+    }
+
     /// Whether this prescribed signal, by its number, comes from a table.
     pub(crate) fn gives_signal(&self, number: usize) -> bool {
         self.signals.iter().any(|(index, _)| *index == number)
@@ -285,30 +318,13 @@ fn in_si_units(formula: &str, name: &str) -> String {
     format!("unit_of_{name}*({changed})")
 }
 
-/// Of the input that is called so, or of the array of which it is a component.
-fn unit_of_input(statements: &[Statement], name: &str) -> Option<String> {
-    let inputs = || {
-        statements.iter().filter_map(|statement| match &statement.kind {
-            StatementKind::Input(quantity) => Some(quantity),
-            _ => None,
-        })
-    };
-    let is_array = |array: &str| {
-        let index = name.strip_prefix(array).and_then(|rest| rest.strip_prefix('_'));
-        index.is_some_and(|index| !index.is_empty() && index.bytes().all(|digit| digit.is_ascii_digit()))
-    };
-    let found = inputs().find(|input| input.name.text == name);
-    let found = found.or_else(|| inputs().find(|input| is_array(&input.name.text)));
-    found.and_then(|input| input.unit.as_ref()).map(ToString::to_string)
-}
-
 /// The function of an input's formula: a number of its unit, that no input enters.
 fn formula(option: &str, derivation: &Derivation, index: usize, name: &str) -> Result<usize, Failure> {
     let wanted = formula_name(name);
     let is_value = |f: &Function| matches!(f.kind, FunctionKind::Output(_)) && f.name == wanted;
     let refused = |reason: String| Failure::new(format_args!("{option} {name}: {reason}"));
-    let number =
-        derivation.functions.iter().position(is_value).ok_or_else(|| refused("there is no value".to_string()))?;
+    let missing = || refused("there is no formula: the array has more elements than the formula".to_string());
+    let number = derivation.functions.iter().position(is_value).ok_or_else(missing)?;
     let function = &derivation.functions[number];
     let FunctionKind::Output(output) = function.kind else { return Err(refused("there is no value".to_string())) };
     let unit = quantity(&derivation.inputs, index, name).unit;
@@ -389,112 +405,15 @@ fn outputs_in(formula: &str, text: &str, statements: &[Statement], before: &str)
     outputs.filter(|line| !before.contains(line.as_str())).collect()
 }
 
-fn prescribed(statements: &[Statement]) -> Vec<String> {
-    let names = statements.iter().filter_map(|statement| match &statement.kind {
-        StatementKind::Prescribed(quantity) => Some(quantity.name.text.clone()),
-        _ => None,
-    });
-    names.collect()
-}
-
 fn unknown(option: &str, what: &str, name: &str, known: &[String]) -> Failure {
     let hint = hint(name, known, &format!("{what}s"));
     Failure::new(format_args!("{option}: there is no {what} `{name}`{hint}"))
-}
-
-/// What a column of a table is wanted for.
-struct Wanted<'a> {
-    name: &'a str,
-    unit: &'a str,
 }
 
 /// The component with this number of some variables.
 fn quantity<'a>(variables: &'a [Variable], index: usize, name: &'a str) -> Wanted<'a> {
     let mut units = variables.iter().flat_map(|v| std::iter::repeat_n(v.unit.as_str(), v.count()));
     Wanted { name, unit: units.nth(index).unwrap_or("1") }
-}
-
-/// The columns of a table that count: times, and values.
-struct Columns {
-    /// Where the values stand.
-    values: usize,
-    /// What times and values are multiplied by: they are in the units of the header, without one in SI units.
-    scales: [f64; 2],
-}
-
-impl Columns {
-    /// As a table without a header has them.
-    const FIRST_TWO: Columns = Columns { values: 1, scales: [1.0; 2] };
-
-    /// From a header, `t [ms], push [kN]`: the first column is the time, that of the name has the values.
-    fn of(header: &csv::StringRecord, wanted: &Wanted<'_>) -> Result<Columns, String> {
-        let headings: Vec<_> = header.iter().map(heading).collect();
-        let Some(values) = headings.iter().skip(1).position(|(name, _)| *name == wanted.name).map(|i| i + 1) else {
-            let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
-            return Err(format!("there is no column `{}`; the columns are {}", wanted.name, names.join(", ")));
-        };
-        let scale = |column: usize, unit: &str| match headings[column] {
-            (_, None) => Ok(1.0),
-            (name, Some(own)) => {
-                Unit(unit).in_si(&format!("1 {own}")).map_err(|reason| format!("column `{name}`: {reason}"))
-            }
-        };
-        Ok(Columns { values, scales: [scale(0, "s")?, scale(values, wanted.unit)?] })
-    }
-}
-
-/// The name and the unit of a column: `push [kN]`.
-fn heading(cell: &str) -> (&str, Option<&str>) {
-    match cell.strip_suffix(']').and_then(|cell| cell.split_once('[')) {
-        Some((name, unit)) => (name.trim(), Some(unit.trim())),
-        None => (cell, None),
-    }
-}
-
-/// A table whose first column is the time; the values are in the column of this name, without a header in the second.
-fn table(
-    path: &Path,
-    wanted: &Wanted<'_>,
-    (start, end): (f64, f64),
-    curve: fn(Vec<f64>, Vec<f64>) -> Curve,
-) -> Result<Curve, Failure> {
-    let shown = path.display();
-    let refused = |reason: String| Failure::new(format_args!("{shown}: {reason}"));
-    let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {shown}: {error}")))?;
-    let mut reader =
-        csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
-    let (mut times, mut values, mut columns) = (Vec::new(), Vec::new(), Columns::FIRST_TWO);
-    for (number, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| refused(error.to_string()))?;
-        let line = record.position().map_or(0, |position| position.line());
-        let cell = |i: usize| -> Result<f64, Failure> {
-            let text = record.get(i).ok_or_else(|| refused(format!("line {line} has no column {}", i + 1)))?;
-            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| refused(format!("line {line}, column {}: `{text}` is not a finite number", i + 1)))
-        };
-        if number == 0 && record.iter().any(|cell| cell.parse::<f64>().is_err()) {
-            columns = Columns::of(&record, wanted).map_err(refused)?;
-            continue;
-        }
-        let [time, value] = [columns.scales[0] * cell(0)?, columns.scales[1] * cell(columns.values)?];
-        if times.last().is_some_and(|last| *last >= time) {
-            return Err(refused(format!(
-                "line {line}: times must increase, {time:?} comes after {:?}",
-                times[times.len() - 1]
-            )));
-        }
-        times.push(time);
-        values.push(value);
-    }
-    if times.len() < 2 {
-        return Err(refused("a table has two rows at least".to_string()));
-    }
-    let curve = curve(times, values);
-    let (first, last) = curve.range();
-    if start < first || end > last {
-        return Err(refused(format!("it goes from t = {first:?} to {last:?}, the motion from {start:?} to {end:?}")));
-    }
-    Ok(curve)
 }
 
 #[cfg(test)]

@@ -218,6 +218,7 @@ impl Reading<'_> {
         };
         let settings = self.settings(&derivation, duration)?;
         let driven = drives.resolved(&derivation, (base.state.t, base.state.t + duration))?;
+        driven.warn();
         let tables = inputs.iter().chain(&signals).filter_map(Drive::table);
         let identity = self.identity(&original, tables)?;
         let study = Study {

@@ -136,6 +136,78 @@ fn formulas_are_in_the_unit_of_their_own_input() {
     assert!((row[1] - 1.5).abs() < 1e-9 && (row[2] - 1.0).abs() < 1e-9, "{row:?}");
 }
 
+/// Springs from an uneven road, and an input on each mass.
+const ROUGH: &str = "mechanism Rough { param m: kg = 1; param k: N/m = 4; const n = 2; coord x[n]: m; prescribed road[n]: m;
+    input f[n]: N; for i in 0..n { kinetic += 1/2*m*dt(x[i])^2; potential += 1/2*k*(x[i] - road[i])^2; force x[i] += f[i]; } }";
+
+/// `x = road + f/k` is where a mass stays.
+#[test]
+fn elements_of_arrays_are_given_one_by_one_or_together() {
+    let workshop = Workshop::new();
+    workshop.write("rough.mbs", ROUGH);
+    workshop.write("both.csv", "t,road[0] [mm],road_1,f[0] [kN],f_1\n0,20,0.5,0.002,0\n3,20,0.5,0.002,0\n");
+    let simulate = ["simulate", "rough.mbs", "--state", r#"{"q": [0.52, 0.5]}"#, "--t-end", "2"];
+    for given in [
+        ["--signal", "road_0=0.02", "--signal", "road[1]=0.5", "--input", "f_0=2", "--input", "f[1]=0*t"],
+        ["--signal", "road=[0.02, 0.5 + 0*max(t, 1)]", "--input", "f=[2, 0]", "--dt", "1", "--rtol", "1e-10"],
+        ["--signal", "road=@both.csv", "--input", "f=@both.csv", "--dt", "1", "--rtol", "1e-10"],
+        ["--signal", "road[0]=@both.csv", "--signal", "road_1=@both.csv", "--input", "f=[2 N, 0 N]", "--dt", "1"],
+    ] {
+        let (_, row) = last(&workshop.good(&[&simulate[..], &given].concat()));
+        assert!((row[1] - 0.52).abs() < 1e-9 && (row[2] - 0.5).abs() < 1e-9, "{given:?}: {row:?}");
+    }
+    let bad = |given: &[&str], words: &str| {
+        let report = workshop.mbs(&[&simulate[..], given].concat());
+        assert!(report.code == 1 && report.stderr.contains(words), "{words}: {}", report.stderr);
+    };
+    let each = "`road` is an array, whose elements have a formula each: write `road_0=…`, `road_1=…`, or `road=[…, …]`";
+    bad(&["--signal", "road=0.1*t"], each);
+    bad(&["--input", "f=1"], "`f` is an array, whose elements have a formula each");
+    bad(&["--signal", "road[0]=1"], "formulas give all elements of an array: write `road_1=…`, too");
+    bad(
+        &["--signal", "road_0=1", "--signal", "road_1=@both.csv"],
+        "formulas give all elements of an array, or tables do",
+    );
+    bad(&["--signal", "road=[1, 2, 3]"], "`road` has 2 elements, this has 3");
+    bad(&["--input", "f=[1, 2]", "--input", "f[1]=2"], "--input f_1 is given twice");
+    bad(&["--input", "f=@both.csv", "--input", "f[1]=2"], "--input f_1 is given twice");
+    bad(&["--signal", "road_2=1"], "there is no prescribed signal `road_2`");
+}
+
+#[test]
+fn columns_are_told_apart() {
+    let workshop = Workshop::new();
+    workshop.write("rough.mbs", ROUGH);
+    let refused = |table: &str, words: &str| {
+        workshop.write("f.csv", table);
+        let run = ["simulate", "rough.mbs", "--state", "{\"q\": [0, 0]}", "--t-end", "1", "--input", "f_0=@f.csv"];
+        let report = workshop.mbs(&[&run[..], &["--signal", "road=[0, 0]"]].concat());
+        assert!(report.code == 1 && report.stderr.contains(words), "{words}: {}", report.stderr);
+    };
+    refused("t,f_0,f[0]\n0,1,5\n1,1,5\n", "f.csv: 2 columns are called `f_0`; leave one of them");
+    refused(
+        "f_0,t\n0,1\n1,2\n",
+        "f.csv: the first column is `f_0`: put it behind that of the time, which is the first",
+    );
+    refused("t;f_0\n0;1\n1;2\n", "f.csv: columns are separated by commas, here by ';'; write commas");
+    refused("t\tf_0\n0\t1\n1\t2\n", "f.csv: columns are separated by commas, here by '\\t'; write commas");
+}
+
+/// A bump: the spline through it falls far below the road.
+#[test]
+fn splines_that_overshoot_are_reported() {
+    let workshop = workshop();
+    workshop.write("wall.csv", "0,0\n0.5,0\n0.6,50\n0.7,50\n0.8,0\n0.9,0\n3,0\n");
+    let outcome = workshop.mbs(&[RUN.as_slice(), &["--signal", "wall=@wall.csv"]].concat());
+    let warning =
+        "warning: --signal wall: the values of the table are from 0 to 50, the cubic spline through them goes from -";
+    assert!(outcome.code == 0 && outcome.stderr.starts_with(warning), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("declare the signal by `table_monotone(t, times, values)`"), "{}", outcome.stderr);
+    // So does every spline, a little.
+    workshop.write("wall.csv", "0,0\n1,0\n1.5,25\n2,50\n2.5,50\n3,50\n");
+    workshop.good(&[RUN.as_slice(), &["--signal", "wall=@wall.csv"]].concat());
+}
+
 /// A key that is the rate of a coordinate and an input is neither.
 #[test]
 fn names_of_two_numbers_are_refused() {
@@ -301,5 +373,5 @@ fn states_by_name() {
     bad(r#"{"q": {"y": 1}}"#, "unknown name \"q\".\"y\"; the names are x_0, x_1");
     bad(r#"{"q": [1, 2], "x_0": 1}"#, "\"x_0\" is given twice");
     bad(r#"{"x": [1]}"#, "\"x\" must hold 2 numbers (x_0, x_1), found 1");
-    bad(r#"{"x_0_dot": 1}"#, "\"q\" is missing: 2 numbers (x_0, x_1)");
+    bad(r#"{"x_0_dot": 1}"#, "\"q\" is missing: 2 numbers (x_0, x_1), or one of them by its name");
 }

@@ -1,0 +1,116 @@
+//! Tables of times and values, as files of CSV.
+
+use std::fs;
+use std::path::Path;
+
+use mbs_derive::model::Unit;
+
+use super::super::curve::Curve;
+use super::element::column;
+use crate::failure::Failure;
+
+/// What a column of a table is wanted for.
+pub(super) struct Wanted<'a> {
+    pub(super) name: &'a str,
+    pub(super) unit: &'a str,
+}
+
+/// The columns of a table that count: times, and values.
+struct Columns {
+    /// Where the values stand.
+    values: usize,
+    /// What times and values are multiplied by: they are in the units of the header, without one in SI units.
+    scales: [f64; 2],
+}
+
+impl Columns {
+    /// As a table without a header has them.
+    const FIRST_TWO: Columns = Columns { values: 1, scales: [1.0; 2] };
+
+    /// From a header, `t [ms], push [kN]`: the first column is the time, that of the name has the values.
+    fn of(header: &csv::StringRecord, wanted: &Wanted<'_>) -> Result<Columns, String> {
+        let headings: Vec<_> = header.iter().map(|cell| heading(cell, wanted.name)).collect();
+        let name = wanted.name;
+        let called: Vec<usize> = (0..headings.len()).filter(|&i| headings[i].0 == name).collect();
+        let values = match called.as_slice() {
+            [0] => {
+                return Err(format!(
+                    "the first column is `{name}`: put it behind that of the time, which is the first"
+                ));
+            }
+            [one] => *one,
+            [] => {
+                let names: Vec<&str> = headings.iter().map(|(name, _)| *name).collect();
+                let separator =
+                    if header.len() == 1 { header[0].chars().find(|c| matches!(c, ';' | '\t')) } else { None };
+                return Err(match separator {
+                    Some(separator) => format!("columns are separated by commas, here by {separator:?}; write commas"),
+                    None => format!("there is no column `{name}`; the columns are {}", names.join(", ")),
+                });
+            }
+            _ => return Err(format!("{} columns are called `{name}`; leave one of them", called.len())),
+        };
+        let scale = |column: usize, unit: &str| match headings[column] {
+            (_, None) => Ok(1.0),
+            (name, Some(own)) => {
+                Unit(unit).in_si(&format!("1 {own}")).map_err(|reason| format!("column `{name}`: {reason}"))
+            }
+        };
+        Ok(Columns { values, scales: [scale(0, "s")?, scale(values, wanted.unit)?] })
+    }
+}
+
+/// The name and the unit of a column, `push [kN]`; an element may be called as it is declared, `tau[0] [N*m]`.
+fn heading<'a>(cell: &'a str, wanted: &'a str) -> (&'a str, Option<&'a str>) {
+    let called = |name: &'a str| if column(name) == wanted { wanted } else { name };
+    match cell.strip_suffix(']').and_then(|cell| cell.rsplit_once('[')) {
+        Some((name, unit)) if column(cell) != wanted => (called(name.trim()), Some(unit.trim())),
+        _ => (called(cell), None),
+    }
+}
+
+/// A table whose first column is the time; the values are in the column of this name, without a header in the second.
+pub(super) fn table(
+    path: &Path,
+    wanted: &Wanted<'_>,
+    (start, end): (f64, f64),
+    curve: fn(Vec<f64>, Vec<f64>) -> Curve,
+) -> Result<Curve, Failure> {
+    let shown = path.display();
+    let refused = |reason: String| Failure::new(format_args!("{shown}: {reason}"));
+    let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {shown}: {error}")))?;
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
+    let (mut times, mut values, mut columns) = (Vec::new(), Vec::new(), Columns::FIRST_TWO);
+    for (number, record) in reader.records().enumerate() {
+        let record = record.map_err(|error| refused(error.to_string()))?;
+        let line = record.position().map_or(0, |position| position.line());
+        let cell = |i: usize| -> Result<f64, Failure> {
+            let text = record.get(i).ok_or_else(|| refused(format!("line {line} has no column {}", i + 1)))?;
+            let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+            number.ok_or_else(|| refused(format!("line {line}, column {}: `{text}` is not a finite number", i + 1)))
+        };
+        if number == 0 && record.iter().any(|cell| cell.parse::<f64>().is_err()) {
+            columns = Columns::of(&record, wanted).map_err(refused)?;
+            continue;
+        }
+        let [time, value] = [columns.scales[0] * cell(0)?, columns.scales[1] * cell(columns.values)?];
+        if times.last().is_some_and(|last| *last >= time) {
+            return Err(refused(format!(
+                "line {line}: times must increase, {time:?} comes after {:?}",
+                times[times.len() - 1]
+            )));
+        }
+        times.push(time);
+        values.push(value);
+    }
+    if times.len() < 2 {
+        return Err(refused("a table has two rows at least".to_string()));
+    }
+    let curve = curve(times, values);
+    let (first, last) = curve.range();
+    if start < first || end > last {
+        return Err(refused(format!("it goes from t = {first:?} to {last:?}, the motion from {start:?} to {end:?}")));
+    }
+    Ok(curve)
+}
