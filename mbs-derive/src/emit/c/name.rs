@@ -409,6 +409,8 @@ const LIBRARY: &[&str] = &[
 /// Macros of the headers that headers of C++ include, besides those that begin or end as others do.
 const MACROS: &[&str] = &[
     "errno",
+    "complex",
+    "imaginary",
     "alloca",
     "offsetof",
     "math_errhandling",
@@ -503,6 +505,8 @@ mod tests {
         {
             assert_eq!(identifier(name), format!("c_{name}"));
         }
+        // Macros of <complex.h>.
+        assert_eq!(["complex", "imaginary"].map(prefix), ["c_complex", "c_imaginary"]);
         for name in ["E", "EI", "Ex", "INTake", "L_max", "mass", "M", "F_D"] {
             assert_eq!(identifier(name), name);
         }
