@@ -46,7 +46,12 @@ impl Reader<'_> {
         let here = self.next();
         let columns = self.index()?;
         if columns.is_some() && form.keyword != "param" {
-            let help = "what else has rows is an array of arrays: `const a[2]: m = [[1, 2], [3, 4]];`";
+            let help = match form.keyword {
+                "const" => "an array of arrays has one: `const a[2]: m = [[1, 2], [3, 4]];`",
+                _ => {
+                    "write an array for each row, `x[n]` and `y[n]`, or one for all of them, `r[3*n]` with `r[3*i + k]`"
+                }
+            };
             return Err(self.refuse(Code::IndexForm, here, "only a `param` has two indices", help));
         }
         let declared = start..self.last;
