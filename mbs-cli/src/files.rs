@@ -71,7 +71,10 @@ impl Identity {
         match fs::metadata(path) {
             Ok(there) if there.is_dir() => Err(ErrorKind::IsADirectory.into()),
             // To open a pipe would wait for its other end.
-            Ok(there) if !there.is_file() => Ok(Identity::Place(path.canonicalize()?)),
+            // Behind /dev/stdout may be one that has no path.
+            Ok(there) if !there.is_file() => {
+                Ok(Identity::Place(path.canonicalize().unwrap_or_else(|_| path.to_path_buf())))
+            }
             Ok(_) => Handle::from_path(path).map(Identity::There).or_else(|_| path.canonicalize().map(Identity::Place)),
             Err(error) if error.kind() == ErrorKind::NotFound => destination(path).map(Identity::Place),
             Err(error) => Err(error),

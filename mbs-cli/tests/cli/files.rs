@@ -127,3 +127,12 @@ fn outputs_are_checked_first() {
         "{stderr}"
     );
 }
+
+/// A pipe has no path.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_is_a_file_to_write_to() {
+    let workshop = Workshop::new();
+    let text = workshop.good(&["derive", "pendulum.mbs", "--emit", "js", "--out", "/dev/stdout"]);
+    assert!(text.contains("massMatrix") || text.contains("mass_matrix"), "{text}");
+}
