@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "STATE.json")]
     state: String,
     /// Search for a state without accelerations, on the constraints, near the given one: what may be changed, separated
-    /// by commas. Coordinates and inputs by their names (`q_0` of an array q), velocities as in the table of `mbs
+    /// by commas. Coordinates and inputs by their names (`q_0` of an array q, `q` for all of it), velocities as in the table of `mbs
     /// simulate` (`x_dot`). The rest stays as given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     trim: Vec<String>,
@@ -61,9 +61,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         Request::Many(_) => return Err(Failure::new("`mbs linearize` takes one state, not an array of them")),
     };
     let names = component_names(&derivation.coordinates);
-    let independent = numbers(&arguments.independent, &names, "coordinates")?;
+    let independent = numbers(&arguments.independent, &names, "coordinates", &derivation)?;
     if !arguments.trim.is_empty() {
-        let free = numbers(&arguments.trim, &trim::names(&derivation), "quantities that can be trimmed")?;
+        let free = numbers(&arguments.trim, &trim::names(&derivation), "quantities that can be trimmed", &derivation)?;
         trim::trim(&derivation, &mut point, &free)?;
     }
     warn_of_lost_rank(&derivation, &point, "the state")?;
@@ -75,17 +75,25 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     output::answer(|| report.json(), || report.text())
 }
 
-/// Which names these are, each once.
-fn numbers(given: &[String], known: &[String], what: &str) -> Result<Vec<usize>, Failure> {
+/// Which names these are, each once; that of an array, `q`, or of its rates, `q_dot`, stands for all of it.
+fn numbers(given: &[String], known: &[String], what: &str, derivation: &Derivation) -> Result<Vec<usize>, Failure> {
     let mut found = Vec::new();
+    let arrays =
+        || derivation.coordinates.iter().chain(&derivation.inputs).filter(|variable| variable.length.is_some());
     for name in given.iter().map(|name| name.trim()) {
-        let Some(number) = known.iter().position(|known| known == name) else {
+        let of = |suffix: &str| {
+            let array = arrays().find(|variable| name.strip_suffix(suffix) == Some(variable.name.as_str()))?;
+            let names: Vec<String> = array.component_names().iter().map(|name| format!("{name}{suffix}")).collect();
+            names.iter().map(|name| known.iter().position(|known| known == name)).collect::<Option<Vec<usize>>>()
+        };
+        let one = known.iter().position(|known| known == name).map(|number| vec![number]);
+        let Some(numbers) = one.or_else(|| of("")).or_else(|| of("_dot")) else {
             return Err(Failure::new(format_args!("unknown name `{name}`{}", state::hint(name, known, what))));
         };
-        if found.contains(&number) {
+        if numbers.iter().any(|number| found.contains(number)) {
             return Err(Failure::new(format_args!("`{name}` is named twice")));
         }
-        found.push(number);
+        found.extend(numbers);
     }
     Ok(found)
 }
@@ -94,6 +102,9 @@ fn numbers(given: &[String], known: &[String], what: &str) -> Result<Vec<usize>,
 fn units(variables: &[Variable]) -> Vec<String> {
     variables.iter().flat_map(|variable| std::iter::repeat_n(variable.unit.clone(), variable.count())).collect()
 }
+
+/// Poles below this part of the largest one are those of integrators, which rounding has moved.
+const ROUNDING: f64 = 1e-12;
 
 /// What is printed.
 struct Report<'a> {
@@ -197,15 +208,32 @@ impl<'a> Report<'a> {
         table(&mut text, "D", &outputs, &inputs, &self.system.d);
         self.push_poles(&mut text);
         let (count, [controllable, observable]) = (self.states.len(), self.ranks);
-        let _ = writeln!(text, "\n{controllable} of {count} states are controllable, {observable} observable");
+        let reached = match self.inputs.len() {
+            0 => "no inputs".to_string(),
+            _ => format!("{controllable} of {count} states are controllable"),
+        };
+        let seen = match (self.system.outputs.len(), self.inputs.len()) {
+            (0, _) => "no outputs".to_string(),
+            (_, 0) => format!("{observable} of {count} states are observable"),
+            _ => format!("{observable} observable"),
+        };
+        let _ = writeln!(text, "\n{reached}, {seen}");
         text
     }
 
     fn push_poles(&self, text: &mut String) {
         let unit = if self.sample_time.is_some() { "1" } else { "1/s" };
         let _ = writeln!(text, "\npoles [{unit}]                          frequency [rad/s]  damping");
+        let sizes = self.poles.iter().map(|&pole| magnitude(self.continuous(pole))).filter(|size| size.is_finite());
+        let rounding = ROUNDING * sizes.fold(0.0, f64::max);
         for &pole in &self.poles {
             let continuous = self.continuous(pole);
+            // Its sign, and its damping, are those of rounding errors.
+            if magnitude(continuous) <= rounding {
+                let value = if self.sample_time.is_some() { "1" } else { "0" };
+                let _ = writeln!(text, "  {value:<34}  {:>16}  {:>7}", 0, "-");
+                continue;
+            }
             let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
             let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", magnitude(continuous), damping(continuous));
         }

@@ -445,6 +445,21 @@ fn a_text_for_people() {
     {
         assert!(text.contains(part), "{text}");
     }
+    // A car that nothing drives, seen by one output; integrators are at zero, whatever rounding leaves of them.
+    workshop.write(
+        "car.mbs",
+        "mechanism Car { param m: kg = 1; param k: N/m = 3; param b: N*s/m = 0.7; coord p[2]: m;
+         for i in 0..2 { kinetic += (i + 1)*m*dt(p[i])^2; } potential += 1/2*k*(p[1] - p[0])^2;
+         dissipation += 1/2*b*(dt(p[1]) - dt(p[0]))^2; output gap = p[1] - p[0]; }",
+    );
+    let free = workshop.good(&["linearize", "car.mbs", "--state", "{\"p\": [0, 0]}", "--independent", "p"]);
+    assert!(free.contains("\nno inputs, 2 of 4 states are observable\n"), "{free}");
+    let zero = "\n  0                                                  0        -\n";
+    assert!(free.contains(zero), "{free}");
+    let silent = "mechanism Mass { coord x: m; input f: N; kinetic += 1/2*(1 kg)*dt(x)^2; force x += f; }";
+    workshop.write("mass.mbs", silent);
+    let silent = workshop.good(&["linearize", "mass.mbs", "--state", "{\"x\": 0}"]);
+    assert!(silent.contains("\n2 of 2 states are controllable, no outputs\n"), "{silent}");
     let moving = workshop.good(&["linearize", "pendulum.mbs", "--state", "{\"q\": [1]}"]);
     assert!(moving.contains("\nno equilibrium: accelerations [-4.2"), "{moving}");
 }
