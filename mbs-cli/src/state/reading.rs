@@ -232,7 +232,7 @@ impl Reader<'_> {
             self.error(format!("a state is an object {{\"q\": […], …}}, found {}", kind(json)));
         } else if !object.contains_key("q") && !object.keys().any(|key| self.is_coordinate(key)) {
             let names = component_names(&self.derivation.coordinates);
-            self.error(format!("\"q\" is missing: {}", expected(&names)));
+            self.error(format!("\"q\" is missing: {}, or one of them by its name", expected(&names)));
         }
         let names = || object.keys().filter(|key| !KEYS.contains(&key.as_str()));
         let meant: Vec<(&String, Vec<String>)> = names().map(|key| (key, self.meanings(key))).collect();
@@ -314,8 +314,15 @@ impl Reader<'_> {
                 }
             }
             Some(json) => {
+                let before = self.errors.len();
                 values = self.numbers(&format!("\"{key}\""), json, &slots);
-                is_given.fill(true);
+                match (self.errors.len() == before, self.meanings(key).first(), self.errors.last_mut()) {
+                    (true, ..) => is_given.fill(true),
+                    (false, Some(place), Some(error)) => {
+                        *error += &format!("; {key:?} is the name of a variable, too, which is given by {place}");
+                    }
+                    (false, ..) => {}
+                }
             }
             None => {}
         }

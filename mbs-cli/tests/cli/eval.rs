@@ -189,7 +189,7 @@ fn what_is_not_finite_is_null_and_said_so() {
 fn wrong_states_are_refused_by_name() {
     let workshop = Workshop::new();
     let table = [
-        ("{}", r#""q" is missing: 2 numbers (x_0, x_1)"#),
+        ("{}", r#""q" is missing: 2 numbers (x_0, x_1), or one of them by its name"#),
         (r#"{"q": [1]}"#, r#""q" must hold 2 numbers (x_0, x_1), found 1"#),
         (r#"{"q": [1, 2], "qd": [1, 2, 3]}"#, r#""qd" must hold 2 numbers (x_0, x_1), found 3"#),
         (r#"{"q": [1, 2], "qdd": []}"#, r#""qdd" must hold 2 numbers (x_0, x_1), found 0"#),
@@ -375,4 +375,28 @@ fn contradictions_are_null() {
         let value: Value = serde_json::from_str(&found.stdout).unwrap();
         assert_eq!((found.code, value), (0, json!({ "forward_dynamics": [null] })), "{}", found.stderr);
     }
+}
+
+/// What a list of a state and an array have in common is their name.
+#[test]
+fn arrays_that_are_called_as_lists_are_told_how_to_be_given() {
+    let workshop = Workshop::new();
+    let text = "mechanism Unsprung { param m: kg = 1; coord q[2]: m; coord u[2]: m; \
+                for i in 0..2 { kinetic += 1/2*m*(dt(q[i])^2 + dt(u[i])^2); } }";
+    workshop.write("unsprung.mbs", text);
+    let refused = |state: &str| workshop.bad(&["eval", "unsprung.mbs", "--state", state]);
+    let report = refused(r#"{"q": [1, 2], "u": [3, 4]}"#);
+    let named =
+        |key: &str| format!(r#"; "{key}" is the name of a variable, too, which is given by {{"q": {{"{key}": …}}}}"#);
+    assert!(
+        report.contains(&format!("\"q\" must hold 4 numbers (q_0, q_1, u_0, u_1), found 2{}", named("q"))),
+        "{report}"
+    );
+    assert!(report.contains(&named("u")) && !report.contains("twice"), "{report}");
+    workshop.eval("unsprung.mbs", r#"{"q": {"q": [1, 2], "u": [3, 4]}}"#);
+    let report = refused(r#"{"q_0_dot": 1}"#);
+    assert!(
+        report.contains("\"q\" is missing: 4 numbers (q_0, q_1, u_0, u_1), or one of them by its name"),
+        "{report}"
+    );
 }

@@ -135,7 +135,7 @@ fn what_cannot_be_simulated_is_refused() {
         let all = [&["simulate", "pendulum.mbs", "--state", state, "--csv", "motion.csv", "--t-end"], rest].concat();
         workshop.bad(&all)
     };
-    assert_eq!(bad("{}", &["1"]), "error: --state: \"q\" is missing: 1 number (theta)\n");
+    assert_eq!(bad("{}", &["1"]), "error: --state: \"q\" is missing: 1 number (theta), or one of them by its name\n");
     assert_eq!(bad(r#"[{"q": [0]}]"#, &["1"]), "error: a motion starts from one state, found an array of 1\n");
     assert_eq!(bad(r#"{"q": [0], "t": 1}"#, &["0.5"]), "error: --t-end 0.5 lies before the state's t = 1\n");
     assert_eq!(bad(r#"{"q": [0]}"#, &["-1"]), "error: --t-end -1 lies before the state's t = 0\n");
