@@ -40,8 +40,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "STATE.json")]
     state: String,
     /// Search for a state without accelerations, on the constraints, near the given one: what may be changed, separated
-    /// by commas. Coordinates and inputs by their names (`q_0` of an array q, `q` for all of it), velocities as in the table of `mbs
-    /// simulate` (`x_dot`). The rest stays as given.
+    /// by commas. Coordinates and inputs by their names (`q_0` of an array q, `q` for all of it), velocities as in the
+    /// table of `mbs simulate` (`x_dot`). The rest stays as given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     trim: Vec<String>,
     /// Take these coordinates, and their velocities, as the independent ones; else they are chosen.

@@ -38,8 +38,8 @@ pub(crate) enum Problem {
     DependentInertia(Vec<usize>),
     /// Moving this coordinate, or it with others, costs negative kinetic energy.
     NegativeInertia(usize),
-    /// Moving this coordinate, or it with others, costs negative kinetic energy where this signal is negative, and never
-    /// where it is not.
+    /// Moving this coordinate, or it with others, costs negative kinetic energy where this signal is negative, and
+    /// never where it is not.
     NegativeSignal(usize, String),
     /// The kinetic term with this number is never positive, and the energy of some motion is negative.
     NegativeKinetic(usize),

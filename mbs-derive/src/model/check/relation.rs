@@ -1,7 +1,8 @@
 //! How rows of constraints follow from others: by multiples that are the same at all states, or by others at each.
 //!
-//! Only in the first case are the rows that are left independent wherever all of them are as independent as they can
-//! be: `v.x = 0` is enough of `[v.x, v.y] = 0` where v is along an axis that turns, but not where this axis is that of x.
+//! Only in the first case have the rows that are left the rank of all of them at every state. Of two wheels on one axle
+//! the direction that follows is that of the axle: `v.x = 0` is enough for the second one, but not where the axle points
+//! along x.
 
 /// How all rows of a constraint that others determine follow from these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
