@@ -159,7 +159,8 @@ impl<'a, 'i> File<'a, 'i, '_> {
         }
         let class = node.attribute("childclass").unwrap_or(&around.class).to_string();
         self.settings.check_class(node, "childclass", self.reader);
-        let pose = around.frame.then(&self.settings.pose(node, &around.class, "body", self.reader));
+        let own = self.settings.pose(node, &around.class, "body", self.reader);
+        let pose = around.frame.then(&own);
         let mut body = Body { parent: around.body, pose, ..Body::new(&name, tag(node)) };
         if self.reader.word(node, "mocap", &BOOLEANS) == Some("true") {
             body.notes.push("A mocap body: it stands where the file has it.".to_string());
@@ -184,7 +185,8 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 _ => {}
             }
         }
-        body.inertial = self.inertial(node, &name, masses, stated);
+        let stated = self.inertial(&name, masses, stated);
+        self.give_mass(&mut body, stated, own.shift);
         if body.joints.len() > 1 && body.joints.iter().any(|joint| joint.kind == Kind::Free) {
             self.reader.refuse(
                 tag(node),
@@ -205,7 +207,6 @@ impl<'a, 'i> File<'a, 'i, '_> {
     /// What the body weighs: as stated, or by its geoms.
     fn inertial(
         &mut self,
-        node: Node<'a, 'i>,
         name: &str,
         masses: Vec<(Option<Inertial>, Node<'a, 'i>)>,
         stated: Option<(Node<'a, 'i>, Around)>,
@@ -215,7 +216,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
             "false" => false,
             _ => stated.is_none(),
         };
-        let found = if by_geoms {
+        if by_geoms {
             let mut known = Vec::new();
             for (mass, geom) in masses {
                 match mass {
@@ -232,11 +233,22 @@ impl<'a, 'i> File<'a, 'i, '_> {
             together(&known)
         } else {
             stated.and_then(|(inertial, around)| self.stated(inertial, &around.frame, name))
-        };
+        }
+    }
+
+    /// What the body weighs, and at least what the compiler asks for. Where the file gives a body no mass, MuJoCo puts
+    /// that of `boundmass` at the `pos` of its element, read in the frame of the body.
+    fn give_mass(&self, body: &mut Body, stated: Option<Inertial>, pos: [f64; 3]) {
         let Settings { bound_mass, bound_inertia, .. } = self.settings;
-        let nothing = Inertial { mass: 0.0, com: [0.0; 3], inertia: [0.0; 6], span: tag(node) };
         let is_bounded = bound_mass > 0.0 || bound_inertia > 0.0;
-        found.or(is_bounded.then_some(nothing)).map(|inertial| bounded(inertial, bound_mass, bound_inertia))
+        if stated.is_none() && bound_mass > 0.0 && pos != [0.0; 3] {
+            let note = "Its mass is that of `boundmass` alone: the mass centre is where MuJoCo puts it, at the `pos` of \
+                        the body, read in its own frame. An `<inertial>` in the file puts it elsewhere.";
+            body.notes.push(note.to_string());
+        }
+        let nothing = Inertial { mass: 0.0, com: pos, inertia: [0.0; 6], span: body.span.clone() };
+        let inertial = stated.or(is_bounded.then_some(nothing));
+        body.inertial = inertial.map(|inertial| bounded(inertial, bound_mass, bound_inertia));
     }
 
     fn stated(&mut self, node: Node<'a, 'i>, frame: &Pose, name: &str) -> Option<Inertial> {

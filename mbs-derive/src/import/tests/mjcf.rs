@@ -173,6 +173,21 @@ fn principal_moments_and_masses_are_bounded() {
     );
 }
 
+/// MuJoCo puts it at the `pos` of the body's element, read in the body's frame, whatever frames are around.
+#[test]
+fn masses_of_bounds_stand_where_the_body_does() {
+    let bodies = |body: &str| model("", body, "").replace("'radian'", "'radian' boundmass='0.5' boundinertia='0.01'");
+    let joint = "<joint name='a' axis='0 1 0'/>";
+    let turned = bodies(&format!("<body name='b' pos='1 0.2 0.3' euler='0.3 0 0'>{joint}</body>"));
+    moves("m.xml", &turned, &[0.555], &[-4.8920712953663825]);
+    let geom = format!("<body name='b' pos='1 0.2 0.3'>{joint}<geom size='0.1' mass='0'/></body>");
+    let framed = bodies(&format!("<frame pos='0 2 0' euler='0 0 0.5'>{geom}</frame>"));
+    moves("m.xml", &framed, &[0.555], &[-5.120783463263257]);
+    let note = "    // Its mass is that of `boundmass` alone: ";
+    assert!(text("m.xml", &framed).contains(note));
+    assert!(!text("m.xml", &framed.replace("pos='1 0.2 0.3'", "")).contains(note));
+}
+
 /// Geoms without mass leave what is stated, even where `inertiafromgeom` has them decide.
 #[test]
 fn massless_geoms_decide_nothing() {
