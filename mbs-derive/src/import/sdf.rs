@@ -388,22 +388,7 @@ impl<'a, 'i> Model<'a, 'i> {
             joint.rest = number(dynamics, "spring_reference").unwrap_or(0.0);
         }
         if let Some(limit) = child(node, "limit") {
-            let (way, force) = if joint.kind == Kind::Slide { ("m", "N") } else { ("rad", "N·m") };
-            let (low, high) = (number(limit, "lower"), number(limit, "upper"));
-            let mut parts = Vec::new();
-            if let (Some(low), Some(high)) = (low, high)
-                && low > -ENDLESS
-                && high < ENDLESS
-            {
-                parts.push(format!("from {low} to {high} {way}"));
-            }
-            parts.extend(
-                number(limit, "effort")
-                    .filter(|effort| *effort > 0.0)
-                    .map(|effort| format!("at most {effort} {force}")),
-            );
-            parts.extend(number(limit, "velocity").filter(|rate| *rate > 0.0).map(|rate| format!("{rate} {way}/s")));
-            joint.limits = parts.join(", ");
+            joint.limits = limits(&name, joint.kind, limit, reader);
         }
         if [joint.damping, joint.friction, joint.stiffness].iter().any(|&number| number < 0.0) {
             let message = format!("the joint `{name}` has negative damping, friction or stiffness");
@@ -475,6 +460,31 @@ fn coordinates<'a>(model: Node<'a, '_>) -> BTreeMap<&'a str, Vec<String>> {
         names.insert(name, own);
     }
     names
+}
+
+/// What the text says of the limits of a joint. What is infinite is no limit: so Gazebo writes what goes on for ever.
+fn limits(name: &str, kind: Kind, node: Node<'_, '_>, reader: &mut Reader) -> String {
+    let mut limit = |what: &str| {
+        let node = child(node, what)?;
+        let word = content(node).trim().to_ascii_lowercase();
+        if matches!(word.trim_start_matches(['+', '-']), "inf" | "infinity") {
+            return None;
+        }
+        let [number] = reader.content::<1>(node, &format!("`{what}` of the joint `{name}`"))?;
+        (number.abs() < ENDLESS).then_some(number)
+    };
+    let (way, force) = if kind == Kind::Slide { ("m", "N") } else { ("rad", "N·m") };
+    let mut parts = Vec::new();
+    match (limit("lower"), limit("upper")) {
+        (Some(low), Some(high)) => parts.push(format!("from {low} to {high} {way}")),
+        (Some(low), None) => parts.push(format!("at least {low} {way}")),
+        (None, Some(high)) => parts.push(format!("at most {high} {way}")),
+        (None, None) => {}
+    }
+    let mut above_zero = |what: &str| limit(what).filter(|most| *most > 0.0);
+    parts.extend(above_zero("effort").map(|effort| format!("at most {effort} {force}")));
+    parts.extend(above_zero("velocity").map(|rate| format!("{rate} {way}/s")));
+    parts.join(", ")
 }
 
 /// What moves a link besides joints and gravity.

@@ -114,6 +114,32 @@ fn axes_have_a_default() {
     refused("m.sdf", &xml, "the joint `j` has negative damping, friction or stiffness");
 }
 
+/// What is infinite is no limit, in words and in numbers; one side may have one alone.
+#[test]
+fn limits_may_be_infinite() {
+    let check = |limits: &str, shown: &str| {
+        let xml = model("", &(link("0 0 1 0 0 0", "INERTIAL") + &joint("", &format!("{AXIS}<limit>{limits}</limit>"))));
+        let line = format!("    /// Joint `j`, revolute, from the world to `b`{shown}.\n");
+        let text = text("m.sdf", &xml);
+        assert!(text.contains(&line), "{line}{text}");
+    };
+    let of = |low: &str, high: &str, most: &str| {
+        format!("<lower>{low}</lower><upper>{high}</upper><effort>{most}</effort><velocity>{most}</velocity>")
+    };
+    for (low, high) in [("-inf", "inf"), ("-INF", " +inf "), ("-1e16", "1e16"), ("-infinity", "infinity")] {
+        check(&of(low, high, high), "");
+        check(&of("-1.5", high, "3"), "; at least -1.5 rad, at most 3 N·m, 3 rad/s");
+        check(&of(low, "2", high), "; at most 2 rad");
+    }
+    check("<lower>-1</lower>", "; at least -1 rad");
+    check(&of("-1", "2", "-1"), "; from -1 to 2 rad");
+    let links = |axis: &str| model("", &(link("0 0 1 0 0 0", "INERTIAL") + &joint("", axis)));
+    let not = links(&format!("{AXIS}<limit><lower>nan</lower></limit>"));
+    refused("m.sdf", &not, "`lower` of the joint `j` is not finite: `nan`");
+    let damped = links(&format!("{AXIS}<dynamics><damping>inf</damping></dynamics>"));
+    refused("m.sdf", &damped, "`damping` of the joint `j` is not finite: `inf`");
+}
+
 #[test]
 fn attitudes_are_in_degrees_and_quaternions() {
     for pose in [
