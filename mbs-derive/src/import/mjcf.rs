@@ -163,6 +163,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let pose = around.frame.then(&own);
         let mut body = Body { parent: around.body, pose, ..Body::new(&name, tag(node)) };
         if self.reader.word(node, "mocap", &BOOLEANS) == Some("true") {
+            body.is_held = true;
             body.notes.push("A mocap body: it stands where the file has it.".to_string());
         }
         if let Some(lifted) = self.reader.number(node, "gravcomp", "`gravcomp`").filter(|lifted| *lifted != 0.0) {

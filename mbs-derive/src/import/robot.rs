@@ -34,6 +34,8 @@ pub(super) struct Body {
     pub(super) joints: Vec<Joint>,
     /// What a fixed joint is called, where it has a name.
     pub(super) fixed_by: Option<String>,
+    /// It stands in the world where the file has it, whatever is asked for.
+    pub(super) is_held: bool,
     pub(super) inertial: Option<Inertial>,
     /// Gravity does not act on it.
     pub(super) is_weightless: bool,
@@ -51,6 +53,7 @@ impl Body {
             pose: Pose::default(),
             joints: Vec::new(),
             fixed_by: None,
+            is_held: false,
             inertial: None,
             is_weightless: false,
             shapes: Vec::new(),
@@ -212,15 +215,34 @@ impl Inertial {
 }
 
 impl Robot {
-    /// What stands in the world, and no joint holds, moves freely.
+    /// The bases of the robot move freely.
     pub(super) fn set_free(&mut self) {
         let joints = self.bodies.iter().flat_map(|body| &body.joints);
         let names: BTreeSet<String> = joints.map(|joint| joint.name.clone()).collect();
-        let is_loose = |body: &&mut Body| body.parent.is_none() && body.joints.is_empty() && body.fixed_by.is_none();
-        for body in self.bodies.iter_mut().filter(is_loose) {
+        for base in self.bases() {
+            let body = &mut self.bodies[base];
             let name = spare(&format!("{}_joint", body.name), |name| names.contains(name));
             body.joints.push(Joint::new(&name, Kind::Free, "free", body.span.clone()));
         }
+    }
+
+    /// What stands in the world, and no joint holds. Of several bodies those that carry joints: the others are the
+    /// robot's surroundings.
+    fn bases(&self) -> Vec<usize> {
+        let mut carries = vec![false; self.bodies.len()];
+        for (i, body) in self.bodies.iter().enumerate().rev() {
+            carries[i] |= !body.joints.is_empty();
+            if carries[i] {
+                body.parent.into_iter().for_each(|parent| carries[parent] = true);
+            }
+        }
+        let any_moves = carries.contains(&true);
+        let is_base = |i: &usize| {
+            let body = &self.bodies[*i];
+            let is_loose = body.parent.is_none() && body.joints.is_empty() && body.fixed_by.is_none() && !body.is_held;
+            is_loose && (carries[*i] || !any_moves)
+        };
+        (0..self.bodies.len()).filter(is_base).collect()
     }
 
     /// What must hold of every robot, whatever its format.
@@ -246,7 +268,11 @@ impl Robot {
         // Where all joints follow others they follow each other, or what is missing: that is told by the writer.
         if joints().next().is_none() && !reader.errors.has_errors() {
             let place = self.bodies.first().map_or(0..0, |body| body.span.clone());
-            let help = "a mechanism has coordinates: with `mbs import --floating` the base moves freely";
+            let help = if self.bases().is_empty() {
+                "a mechanism has coordinates: give a link a joint that moves"
+            } else {
+                "a mechanism has coordinates: with `mbs import --floating` the base moves freely"
+            };
             reader.refuse(place, format!("no joint of the robot `{}` moves", self.name), help);
         }
     }

@@ -1,6 +1,7 @@
 //! Numbers are those of MuJoCo 4.0, `mj_fullM` and `qfrc_bias − qfrc_spring`.
 
-use super::{driven, moves, near, refused, text, values};
+use super::{driven, floating, moves, near, refused, text, values};
+use crate::source::Sources;
 
 const INERTIAL: &str = "<inertial pos='0.1 0.2 0.3' mass='1.3' diaginertia='0.02 0.03 0.04'/>";
 
@@ -336,6 +337,36 @@ fn springs_by_time_constants_are_refused() {
     let message = "the joint `a` has its spring by `springdamper`, which is not imported";
     refused("m.xml", &hinge("springdamper='0.5 0.7'"), message);
     assert!(text("m.xml", &hinge("springdamper='0 0' stiffness='3'")).contains("a_stiffness"));
+}
+
+/// Of what no joint holds the bases become free that carry joints: neither tables nor mocap bodies.
+#[test]
+fn surroundings_do_not_float() {
+    let scene =
+        "<body name='t'><geom size='.1'/></body><body name='m' mocap='true' pos='1 0 0'><geom size='.1'/></body>";
+    let arm = "<body name='b'>INERTIAL<body name='c' pos='0 0 1'><joint name='j' axis='1 0 0'/>INERTIAL</body></body>";
+    let free = |bodies: &str| {
+        let text = floating("m.xml", &model("", bodies, ""));
+        let places = text.lines().filter_map(|line| line.trim().strip_prefix("coord ")?.strip_suffix("_place[3]: m;"));
+        places.map(str::to_string).collect::<Vec<_>>()
+    };
+    assert_eq!(free(&format!("{scene}{arm}")), ["b_joint"]);
+    let held = arm.replace("name='b'", "name='b' mocap='true'");
+    assert_eq!(free(&format!("{scene}{held}")), [""; 0]);
+    // Where nothing has a joint, all is the robot.
+    assert_eq!(free(scene), ["t_joint"]);
+}
+
+/// The help does not promise what `--floating` does not do.
+#[test]
+fn what_cannot_float_is_not_told_to() {
+    let help = |body: &str, expected: &str| {
+        let errors = Sources::robot("m.xml", &model("", body, "")).text(&|_| None).unwrap_err();
+        let helps: Vec<_> = errors.iter().filter_map(|error| error.help.as_deref()).collect();
+        assert_eq!(helps, [format!("a mechanism has coordinates: {expected}")]);
+    };
+    help("<body name='b'>INERTIAL</body>", "with `mbs import --floating` the base moves freely");
+    help("<body name='b' mocap='true'>INERTIAL</body>", "give a link a joint that moves");
 }
 
 /// Names that the file does not give are not those that it gives.
