@@ -121,7 +121,7 @@ impl Problem {
                 "a velocity-dependent potential U goes into `lagrangian += -U`, friction into `dissipation +=`".to_string()
             }
             Problem::NoInertia(i) => format!("add `kinetic += …` with `dt({})`, or make it an input or a parameter", names[*i]),
-            Problem::DependentInertia(_) if lagrangian.frames.iter().any(|f| matches!(f.edge, Some(Edge::Quaternion(_)))) => {
+            Problem::DependentInertia(coordinates) if holds_a_quaternion(lagrangian, coordinates) => {
                 "the length of a quaternion needs a constraint: `constraint unit: w^2 + x^2 + y^2 + z^2 = 1;`".to_string()
             }
             Problem::DependentInertia(_) => {
@@ -159,6 +159,17 @@ impl Problem {
 /// Where rows follow from others by multiples that change with the state, the rows that are left may be too few.
 pub(in crate::model) const IF_INDEPENDENT: &str = ", if the rows that are left are independent at every state; else write \
      rows in axes that turn with the mechanism: `v.dot(pose*[1, 0, 0]) = 0`";
+
+/// Whether a quaternion is made of these coordinates alone: its length is a motion of theirs.
+fn holds_a_quaternion(lagrangian: &Draft<'_>, coordinates: &[usize]) -> bool {
+    lagrangian.frames.iter().any(|frame| match &frame.edge {
+        Some(Edge::Quaternion(parts)) => {
+            let of = Tape::new(parts).coordinates();
+            !of.is_empty() && of.iter().all(|i| coordinates.contains(i))
+        }
+        Some(Edge::Rotation { .. } | Edge::Translation(_)) | None => false,
+    })
+}
 
 fn dependent_rows(constraint: &Constraint<'_>, rows: &[usize]) -> String {
     let (name, count) = (&constraint.name, constraint.rows.len());
