@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use roxmltree::Node;
 
-use super::super::identifier::spare;
-use super::super::pose::{Pose, norm};
-use super::super::robot::Coupling;
+use super::super::identifier::{shown, spare};
+use super::super::pose::{Pose, norm, plus, turned};
+use super::super::robot::{Coupling, Kind};
 use super::super::write::{at_rest, carried};
 use super::super::xml::{children, place, tag};
 use super::File;
@@ -14,6 +14,19 @@ use super::class::{BOOLEANS, DAMPERS, EQUALITIES, SPRINGS};
 
 /// Coordinates and their factors.
 type Terms = Vec<(f64, String)>;
+
+/// What frames that stay together come to, where that is plain.
+enum Held {
+    /// They do so always, for this reason.
+    Always(String),
+    /// This joint stays where it is.
+    By(String),
+}
+
+/// Whether places or axes fall together; MuJoCo saves six digits.
+fn is_near(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-5 * (1.0 + b.abs()))
+}
 
 /// Whether a constraint is stated by sites, not by bodies.
 fn is_between_sites(node: Node<'_, '_>) -> bool {
@@ -83,16 +96,15 @@ impl<'a, 'i> File<'a, 'i, '_> {
     fn connect(&mut self, node: Node<'a, 'i>, name: String) {
         if is_between_sites(node) {
             let Some([(a, p), (b, q)]) = self.between_sites(node, &name) else { return };
-            self.robot.couplings.push(Coupling::Points { name, bodies: [a, b], points: [p.shift, q.shift] });
-            return;
+            return self.held(name, [a, b], [p, q], true);
         }
         let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
         if self.reader.wanted(node, "anchor", &format!("the equality `{name}`")).is_none() {
             return;
         }
         let Some(anchor) = self.reader.array(node, "anchor", &format!("the anchor of `{name}`")) else { return };
-        let other = carried(&self.robot, a, anchor, b);
-        self.robot.couplings.push(Coupling::Points { name, bodies: [a, b], points: [anchor, other] });
+        let points = [anchor, carried(&self.robot, a, anchor, b)];
+        self.held(name, [a, b], points.map(|shift| Pose { shift, ..Pose::default() }), true);
     }
 
     fn weld(&mut self, node: Node<'a, 'i>, name: String) {
@@ -114,10 +126,59 @@ impl<'a, 'i> File<'a, 'i, '_> {
     /// Two frames; their origins alone where no torque holds them.
     fn welded(&mut self, node: Node<'a, 'i>, name: String, bodies: [Option<usize>; 2], poses: [Pose; 2]) {
         let scale = self.reader.number(node, "torquescale", &format!("`torquescale` of `{name}`"));
-        self.robot.couplings.push(match scale {
-            Some(0.0) => Coupling::Points { name, bodies, points: poses.map(|pose| pose.shift) },
-            _ => Coupling::Frames { name, bodies, poses },
-        });
+        self.held(name, bodies, poses, scale == Some(0.0));
+    }
+
+    /// Two frames that stay together, or their origins alone, where they may turn.
+    fn held(&mut self, name: String, bodies: [Option<usize>; 2], poses: [Pose; 2], turns: bool) {
+        let coupling = match self.plainly_held(bodies, &poses, turns) {
+            Some(Held::Always(why)) => {
+                let note = format!("The equality `{}` holds always, {why}, and is left out.", shown(&name));
+                return self.robot.notes.push(note);
+            }
+            Some(Held::By(first)) => {
+                let note = format!("The equality `{}` holds the joint `{}`.", shown(&name), shown(&first));
+                self.robot.notes.push(note);
+                Coupling::Joints { name, first, second: None, powers: [0.0; 5] }
+            }
+            None if turns => Coupling::Points { name, bodies, points: poses.map(|pose| pose.shift) },
+            None => Coupling::Frames { name, bodies, poses },
+        };
+        self.robot.couplings.push(coupling);
+    }
+
+    /// Where frames that fall together at rest have one joint of one axis between them, or none, most of their rows
+    /// follow from one row, or from nothing.
+    fn plainly_held(&self, bodies: [Option<usize>; 2], poses: &[Pose; 2], turns: bool) -> Option<Held> {
+        let [first, second] = [0, 1].map(|i| at_rest(&self.robot, bodies[i]).then(&poses[i]));
+        let is_turned = first.turn.iter().zip(second.turn).any(|(a, b)| !is_near(*a, b));
+        if !is_near(first.shift, second.shift) || is_turned && !turns {
+            return None;
+        }
+        let between = self.between(bodies);
+        let mut joints =
+            between.iter().flat_map(|&body| self.robot.bodies[body].joints.iter().map(move |joint| (body, joint)));
+        let Some((body, joint)) = joints.next() else {
+            return Some(Held::Always("no joint being between".to_string()));
+        };
+        if joints.next().is_some() || !matches!(joint.kind, Kind::Hinge | Kind::Slide) {
+            return None;
+        }
+        let of = at_rest(&self.robot, Some(body));
+        let (from, axis) = (of.point(joint.anchor), turned(&of.turn, joint.axis));
+        let along: f64 = (0..3).map(|i| (first.shift[i] - from[i]) * axis[i]).sum::<f64>() / norm(&axis).powi(2);
+        let is_on_axis = is_near(first.shift, plus(from, axis.map(|c| along * c)));
+        if turns && joint.kind == Kind::Hinge && is_on_axis {
+            return Some(Held::Always(format!("its point being on the axis of the joint `{}`", shown(&joint.name))));
+        }
+        Some(Held::By(joint.name.clone()))
+    }
+
+    /// The bodies on the way from one to the other, without the one that both hang on.
+    fn between(&self, [a, b]: [Option<usize>; 2]) -> BTreeSet<usize> {
+        let chain = |body| std::iter::successors(body, |&body: &usize| self.robot.bodies[body].parent).collect();
+        let (a, b): (BTreeSet<usize>, BTreeSet<usize>) = (chain(a), chain(b));
+        a.symmetric_difference(&b).copied().collect()
     }
 
     fn powers(&mut self, node: Node<'a, 'i>, name: &str) -> Option<[f64; 5]> {

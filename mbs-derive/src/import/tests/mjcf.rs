@@ -326,6 +326,41 @@ fn welds_without_torque_are_connections() {
     }
 }
 
+/// What a joint of one axis alone could move is held by that joint: six rows would follow from one another.
+#[test]
+fn welds_across_a_joint_lock_it() {
+    let bodies = "<body name='b'><joint name='a' axis='0 1 0'/>INERTIAL<site name='s' pos='0 0 1.3'/>\
+                  <body name='d' pos='0 0 1'><joint name='c' axis='1 0 0' ref='0.2'/>INERTIAL\
+                  <site name='t' pos='0 0 0.3'/><body name='e' pos='1 0 0'><joint name='f' type='slide'/>INERTIAL\
+                  <body name='g' quat='1 1 0 0'>INERTIAL</body></body></body></body>";
+    let rows = |equality: &str| {
+        let text = text("m.xml", &model("", bodies, &format!("<equality>{equality}</equality>")));
+        values(&text, &[0.0; 3], &[0.0; 3], ["mass_matrix"]);
+        let rows = text.lines().filter(|line| line.starts_with("    constraint ")).map(|line| line.trim().to_string());
+        rows.collect::<Vec<_>>()
+    };
+    for weld in [
+        "<weld name='k' body1='b' body2='d'/>",
+        "<weld name='k' body1='d' body2='b' anchor='0 1 0'/>",
+        "<weld name='k' body1='b' body2='d' relpose='0 0 1 1 0 0 0' torquescale='0' anchor='0 0 0'/>\
+         <connect name='p' body1='b' body2='d' anchor='0 0.1 1'/>",
+        "<weld name='k' site1='s' site2='t'/>",
+        "<connect name='k' site1='s' site2='t'/>",
+    ] {
+        let name = if weld.contains("torquescale") { "p" } else { "k" };
+        assert_eq!(rows(weld), [format!("constraint {name}: (c - 0.2) = 0;")], "{weld}");
+    }
+    for weld in ["<weld name='k' body1='d' body2='g'/>", "<connect name='k' body1='e' body2='d' anchor='0 0 0'/>"] {
+        assert_eq!(rows(weld), ["constraint k: f = 0;"], "{weld}");
+    }
+    for nothing in ["<weld name='k' body1='e' body2='g'/>", "<connect name='k' body1='b' body2='d' anchor='2 0 1'/>"] {
+        assert_eq!(rows(nothing), [""; 0], "{nothing}");
+    }
+    // What does not hold at rest, or has joints between that can move, is as it was.
+    let two = rows("<connect name='k' body1='b' body2='e' anchor='1 1 1'/>");
+    assert_eq!(two, ["constraint k: b.point(k_first) = e.point(k_second);"]);
+}
+
 #[test]
 fn renamed_couplings_stand_at_the_top() {
     let text = text("m.xml", &coupled("<joint name='c' joint1='a' joint2='c'/>"));
