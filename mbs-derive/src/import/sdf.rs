@@ -1,4 +1,5 @@
-//! SDF, the format of Gazebo: one model, its links and joints; `link`: poses, what links weigh and look like.
+//! SDF, the format of Gazebo: one model, its links and joints; `file`: which model, and what is left out; `link`: poses,
+//! what links weigh and look like.
 //!
 //! Poses of links are in the frame of the model, those of joints in the frame of their child, unless `relative_to` says
 //! otherwise; axes are in the frame of the joint, unless `expressed_in` does.
@@ -15,6 +16,7 @@ use super::robot::{Body, Joint, Kind, Mimic, Robot, Shape};
 use super::xml::{Reader, child, children, content, place, tag};
 use link::{inertia, is_true, pose_of, relative_to, shape};
 
+mod file;
 mod link;
 
 /// Gravity of a world that states none, m/s².
@@ -48,23 +50,7 @@ pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
         reader.refuse(place(root, "version"), message, "`gz sdf -p model.sdf` writes the current one");
     }
     let world = child(root, "world");
-    let mut models: Vec<Node<'_, '_>> = children(root, "model").collect();
-    models.extend(world.into_iter().flat_map(|world| children(world, "model")));
-    let model = match models.as_slice() {
-        [one] => *one,
-        [] => {
-            reader.refuse(tag(root), "there is no model in this file", "write `<model name=\"…\">…</model>`");
-            return None;
-        }
-        [_, second, ..] => {
-            reader.refuse(
-                tag(*second),
-                "there is a second model in this file",
-                "a mechanism has one robot: put each in a file of its own",
-            );
-            return None;
-        }
-    };
+    let (model, still) = file::model(root, world, reader)?;
     for name in ["include", "model"] {
         if let Some(inner) = child(model, name) {
             reader.refuse(
@@ -88,14 +74,7 @@ pub(super) fn robot(root: Node<'_, '_>, reader: &mut Reader) -> Option<Robot> {
         gravity: gravity.unwrap_or(GRAVITY),
         ..Robot::default()
     };
-    let left_out = |parent: Node<'_, '_>, names: &[&'static str]| -> Vec<&'static str> {
-        names.iter().copied().filter(|name| child(parent, name).is_some()).collect()
-    };
-    let mut names = left_out(model, &["plugin", "gripper"]);
-    names.extend(world.into_iter().flat_map(|world| left_out(world, &["include", "actor", "wind"])));
-    if !names.is_empty() {
-        robot.notes.push(format!("Left out: {}.", names.join(", ")));
-    }
+    robot.notes = file::left_out(world, model, &still);
     let read = Model::of(model, reader)?;
     read.tree(model, &mut robot, reader)?;
     Some(robot)

@@ -69,6 +69,42 @@ fn static_models_do_not_move() {
     assert!(text("m.sdf", &xml.replace("true", "false")).contains("coord j"));
 }
 
+/// Worlds have a ground plane, which is not the robot.
+#[test]
+fn static_models_beside_the_robot_are_left_out() {
+    let robot = format!("<model name='m'>{}</model>", link("0 0 1 0 0 0", "INERTIAL") + &joint("", AXIS));
+    let robot = robot.replace("INERTIAL", INERTIAL);
+    let still = |name: &str| format!("<model name='{name}'><static>true</static><link name='p'/></model>");
+    let world = |models: String| format!("<sdf version='1.11'><world name='w'>{models}</world></sdf>");
+    let alone = text("m.sdf", &world(robot.clone()));
+    let (before, behind) = (still("ground_plane"), still("wall"));
+    let beside = text("m.sdf", &world(format!("{before}{robot}{behind}")));
+    let (first, rest) = alone.split_once('\n').unwrap();
+    let note = "// Left out, being static models: `ground_plane`, `wall`.";
+    assert_eq!(beside, format!("{first}\n{note}\n{rest}"));
+    refused("m.sdf", &world(before.clone() + &behind), "all models in this file are static: nothing moves");
+    refused("m.sdf", &world(before + &robot + &robot), "there is a second model in this file");
+}
+
+/// What has no place in a mechanism is said at the top.
+#[test]
+fn what_is_left_out_is_noted() {
+    let notes = |links: &str| {
+        let text = text("m.sdf", &model("", links));
+        let notes = text.lines().skip(1).take_while(|line| !line.is_empty()).map(str::to_string);
+        notes.collect::<Vec<_>>()
+    };
+    let start = |from: &str| joint("", &format!("{AXIS}<initial_position>{from}</initial_position>"));
+    let body = link("0 0 1 0 0 0", "INERTIAL<sensor name='s' type='imu'/>");
+    assert_eq!(notes(&(body.clone() + &start("0"))), ["// Left out: sensor."]);
+    let of_start = "// The initial position of the joint `j` is left out: a simulation states its own.";
+    assert_eq!(notes(&(link("", "INERTIAL") + &start("0.5"))), [of_start]);
+    let ball =
+        start("0").replace("revolute", "ball").replace("</xyz>", "</xyz><dynamics><damping>3</damping></dynamics>");
+    let of_ball = "// The axis of the ball joint `j` is left out, and what it says of damping and limits.";
+    assert_eq!(notes(&(link("", "INERTIAL") + &ball)), [of_ball]);
+}
+
 /// A kilogram, and a kg·m² about each axis.
 #[test]
 fn masses_have_defaults() {
