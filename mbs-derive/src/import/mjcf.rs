@@ -311,28 +311,15 @@ impl<'a, 'i> File<'a, 'i, '_> {
             joint.axis = turned(&around.frame.turn, joint.axis);
         }
         let angle = if kind == Kind::Hinge { settings.angle } else { 1.0 };
-        let mut first = |name: &str, what: &str| {
-            let holder = holder(name);
-            let numbers = reader.numbers(holder.attribute(name)?, place(holder, name), &of(what))?;
-            if numbers.iter().skip(1).any(|&number| number != 0.0) {
-                reader.refuse(
-                    place(holder, name),
-                    format!("{} is not linear", of(what)),
-                    "write it as an energy beside the import",
-                );
-            }
-            numbers.first().copied()
+        let mut first = |name: &str, what: &str, flags: &[&str]| {
+            linear(holder(name), name, &of(what), settings.is_disabled(flags), reader).unwrap_or(0.0)
         };
-        joint.armature = first("armature", "the armature").unwrap_or(0.0);
-        let mut acting = |name: &str, what: &str, flags: &[&str]| {
-            let value = first(name, what).unwrap_or(0.0);
-            if value > 0.0 && settings.is_disabled(flags) { 0.0 } else { value }
-        };
-        joint.damping = acting("damping", "the damping", &DAMPERS);
-        joint.stiffness = acting("stiffness", "the stiffness", &SPRINGS);
-        joint.friction = acting("frictionloss", "the friction", &FRICTION);
-        joint.zero = first("ref", "`ref`").unwrap_or(0.0) * angle;
-        joint.rest = first("springref", "`springref`").unwrap_or(0.0) * angle;
+        joint.armature = first("armature", "the armature", &[]);
+        joint.damping = first("damping", "the damping", &DAMPERS);
+        joint.stiffness = first("stiffness", "the stiffness", &SPRINGS);
+        joint.friction = first("frictionloss", "the friction", &FRICTION);
+        joint.zero = first("ref", "`ref`", &[]) * angle;
+        joint.rest = first("springref", "`springref`", &[]) * angle;
         if [joint.damping, joint.stiffness, joint.armature, joint.friction].iter().any(|&number| number < 0.0) {
             reader.refuse(
                 tag(node),
@@ -358,6 +345,17 @@ impl<'a, 'i> File<'a, 'i, '_> {
         }
         body.joints.push(joint);
     }
+}
+
+/// The factor of a force: of several numbers, which are those of a polynomial, the first one where the others are zero.
+/// Nothing acts where the file turns the force off; what is negative stays so, and is refused.
+fn linear(holder: Node<'_, '_>, name: &str, what: &str, is_off: bool, reader: &mut Reader) -> Option<f64> {
+    let numbers = reader.numbers(holder.attribute(name)?, place(holder, name), what)?;
+    if !is_off && numbers.iter().skip(1).any(|&number| number != 0.0) {
+        let help = "write it as an energy beside the import";
+        reader.refuse(place(holder, name), format!("{what} is not linear"), help);
+    }
+    numbers.first().map(|&number| if is_off && number > 0.0 { 0.0 } else { number })
 }
 
 /// A turn by three angles about axes `xyz`, about those that turn along, or `XYZ`, about those that stay.

@@ -9,8 +9,8 @@ use super::super::pose::{Pose, norm, plus, turned};
 use super::super::robot::{Coupling, Kind};
 use super::super::write::{at_rest, carried};
 use super::super::xml::{children, place, tag};
-use super::File;
 use super::class::{BOOLEANS, DAMPERS, EQUALITIES, SPRINGS};
+use super::{File, linear};
 
 /// Coordinates and their factors.
 type Terms = Vec<(f64, String)>;
@@ -261,20 +261,17 @@ impl<'a, 'i> File<'a, 'i, '_> {
             }
             self.settings.check_class(node, "class", self.reader);
             let class = self.settings.main.clone();
-            let [mut stiffness, mut damping, armature, friction] = ["stiffness", "damping", "armature", "frictionloss"]
-                .map(|what| {
-                    let holder = self.settings.holder(node, "tendon", &class, what);
-                    self.reader.number(holder, what, &format!("`{what}` of the tendon `{name}`")).unwrap_or(0.0)
-                });
+            let holder = |what: &str| self.settings.holder(node, "tendon", &class, what);
+            let of = |what: &str| format!("`{what}` of the tendon `{name}`");
+            let [stiffness, damping] = [("stiffness", &SPRINGS), ("damping", &DAMPERS)].map(|(what, flags)| {
+                let is_off = self.settings.is_disabled(flags);
+                linear(holder(what), what, &of(what), is_off, self.reader).unwrap_or(0.0)
+            });
+            let [armature, friction] = ["armature", "frictionloss"]
+                .map(|what| self.reader.number(holder(what), what, &of(what)).unwrap_or(0.0));
             if stiffness < 0.0 || damping < 0.0 {
                 let message = format!("the tendon `{name}` has negative stiffness or damping");
                 self.reader.refuse(tag(node), message, "");
-            }
-            if self.settings.is_disabled(&SPRINGS) {
-                stiffness = 0.0;
-            }
-            if self.settings.is_disabled(&DAMPERS) {
-                damping = 0.0;
             }
             if friction != 0.0 {
                 self.robot.notes.push(format!("Dry friction of the tendon `{name}` is left out."));

@@ -242,6 +242,25 @@ fn disabled_forces_vanish() {
     );
 }
 
+/// Joints and tendons state them by up to three numbers, the factors of a polynomial.
+#[test]
+fn springs_and_dampers_are_linear() {
+    let tendon = |attributes: &str, head: &str| {
+        let body = "<body name='b'><joint name='a' axis='1 0.3 0'/>INERTIAL</body>";
+        let tendon = format!("<tendon><fixed name='t' {attributes}><joint joint='a' coef='2'/></fixed></tendon>");
+        model(head, body, &tendon)
+    };
+    let plain = text("m.xml", &tendon("stiffness='3' damping='0.2'", ""));
+    assert_eq!(text("m.xml", &tendon("stiffness='3 0 0' damping='0.2 0 0'", "")), plain);
+    refused("m.xml", &tendon("stiffness='3 0 1'", ""), "`stiffness` of the tendon `t` is not linear");
+    refused("m.xml", &hinge("damping='3 1'"), "the damping of the joint `a` is not linear");
+    // What is turned off may be of any kind.
+    let off = "<option><flag spring='disable' damper='disable'/></option>";
+    assert_eq!(text("m.xml", &tendon("stiffness='3 0 1' damping='1 2'", off)), text("m.xml", &tendon("", "")));
+    let curved = hinge("stiffness='3 1' damping='0.1 2'").replace("<worldbody>", &format!("{off}<worldbody>"));
+    assert_eq!(text("m.xml", &curved), text("m.xml", &hinge("")));
+}
+
 #[test]
 fn disabled_equalities_vanish() {
     let bodies = "<body name='b'><joint name='a' axis='1 0.3 0'/>INERTIAL</body>";
