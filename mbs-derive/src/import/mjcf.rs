@@ -19,7 +19,7 @@ use super::robot::{Body, Inertial, Joint, Kind, Robot};
 use super::urdf::together;
 use super::xml::{Reader, child, children, place, tag};
 use crate::numeric::moments::{Impossible, principal_moments};
-use class::{BOOLEANS, DAMPERS, FRICTION, SPRINGS, Settings};
+use class::{ATTITUDES, BOOLEANS, DAMPERS, FRICTION, SPRINGS, Settings};
 
 /// A file while it is read.
 struct File<'a, 'i, 'r> {
@@ -258,6 +258,14 @@ impl<'a, 'i> File<'a, 'i, '_> {
         self.reader.wanted(node, "mass", &of)?;
         let mass = self.reader.number(node, "mass", &format!("the mass of the body `{name}`"))?;
         let what = format!("the inertia of the body `{name}`");
+        if let Some(way) = ATTITUDES.iter().chain(&["diaginertia"]).find(|way| node.has_attribute(**way))
+            && node.has_attribute("fullinertia")
+        {
+            let message = format!("{of} has `{way}` beside `fullinertia`, which MuJoCo does not take");
+            let help =
+                "`fullinertia` is in the axes of the body: leave out the other, or state `diaginertia` in turned ones";
+            self.reader.refuse(place(node, way), message, help);
+        }
         let entries = match (node.attribute("fullinertia"), node.attribute("diaginertia")) {
             (Some(_), _) => self.reader.array::<6>(node, "fullinertia", &what)?,
             (None, Some(_)) => {

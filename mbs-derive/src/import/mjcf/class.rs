@@ -11,7 +11,7 @@ use super::{of_axes, of_euler};
 pub(super) const BOOLEANS: [&str; 2] = ["true", "false"];
 
 /// The ways to state an attitude.
-const ATTITUDES: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
+pub(super) const ATTITUDES: [&str; 5] = ["quat", "axisangle", "xyaxes", "zaxis", "euler"];
 
 /// Flags that turn off springs and dampers; older versions of MuJoCo have one for both, `passive`.
 pub(super) const SPRINGS: [&str; 2] = ["spring", "passive"];

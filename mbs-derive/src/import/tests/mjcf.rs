@@ -197,6 +197,23 @@ fn massless_geoms_decide_nothing() {
     moves("m.xml", &xml, &[0.1722935779816513], &[0.8531989881157648]);
 }
 
+/// In the axes of what is around it: a frame turns it, an attitude of its own is refused as by MuJoCo.
+#[test]
+fn full_inertias_have_no_attitude() {
+    let full = |attributes: &str| {
+        format!("<inertial pos='0.1 0.2 0.3' mass='1.3' {attributes} fullinertia='0.03 0.04 0.05 0.001 0.002 0.003'/>")
+    };
+    let body = |inertial: &str| hinge("").replace(INERTIAL, inertial);
+    let framed = format!("<frame euler='0 0 0.7'>{}</frame>", full(""));
+    moves("m.xml", &body(&framed), &[0.21265192964697466], &[1.5895265935637108]);
+    for way in ["quat='1 0.2 0 0'", "euler='0.1 0 0'", "diaginertia='1 1 1'"] {
+        let name = way.split('=').next().unwrap();
+        let message =
+            format!("the inertial of the body `b` has `{name}` beside `fullinertia`, which MuJoCo does not take");
+        refused("m.xml", &body(&full(way)), &message);
+    }
+}
+
 #[test]
 fn negative_masses_and_sizes_are_refused() {
     let negative = hinge("").replace("mass='1.3'", "mass='-1'");
