@@ -29,6 +29,8 @@ const ENDLESS: f64 = 1e15;
 struct Model<'a, 'i> {
     links: Vec<Node<'a, 'i>>,
     names: BTreeMap<&'a str, usize>,
+    /// Of each frame of the model the link that it moves with.
+    carriers: BTreeMap<&'a str, usize>,
     /// Where the model is in the world.
     pose: Pose,
     /// Places of links, frames and joints by their names, in the frame of the model.
@@ -89,7 +91,8 @@ impl<'a, 'i> Model<'a, 'i> {
         }
         let coordinates = coordinates(model);
         let (poses, joints) = (BTreeMap::new(), BTreeMap::new());
-        let mut read = Model { links, names, pose: Pose::default(), poses, joints, coordinates };
+        let carriers = file::carriers(model, &names);
+        let mut read = Model { links, names, carriers, pose: Pose::default(), poses, joints, coordinates };
         read.place(model, reader);
         if reader.errors.has_errors() {
             return None;
@@ -124,7 +127,7 @@ impl<'a, 'i> Model<'a, 'i> {
         let child_of = |joint: Node<'a, 'i>| child(joint, "child").map(|node| content(node).trim().to_string());
         let is_placed = |joint: &Node<'a, 'i>| {
             let is_other = joint.attribute("name").is_some_and(|name| !names.contains(name));
-            is_other && child_of(*joint).is_some_and(|link| self.names.contains_key(link.as_str()))
+            is_other && child_of(*joint).is_some_and(|end| names.contains(end.as_str()))
         };
         waiting.extend(children(model, "joint").filter(is_placed));
         while !waiting.is_empty() {
@@ -224,7 +227,7 @@ impl<'a, 'i> Model<'a, 'i> {
         Some(())
     }
 
-    /// The link at an end of a joint; nothing within for the world.
+    /// The link at an end of a joint, or that which carries the frame there; nothing within for the world.
     fn end(&self, joint: Node<'a, 'i>, which: &str, name: &str, reader: &mut Reader) -> Option<Option<usize>> {
         let Some(node) = child(joint, which) else {
             reader.refuse(tag(joint), format!("the joint `{name}` has no `{which}`"), "");
@@ -235,7 +238,7 @@ impl<'a, 'i> Model<'a, 'i> {
         if link == "world" {
             return Some(None);
         }
-        let number = self.names.get(link).copied();
+        let number = self.names.get(link).or(self.carriers.get(link)).copied();
         if number.is_none() {
             reader.refuse(
                 tag(node),
@@ -314,7 +317,10 @@ impl<'a, 'i> Model<'a, 'i> {
         let of_joint = format!("the joint `{name}`");
         let stated = self.joints.get(name).copied();
         let mut here = stated.unwrap_or_else(|| pose_of(node, &of_joint, reader));
-        if let Some(of) = relative_to(node) {
+        // Of a joint without a frame of its own that of its child, which is the link, or another frame on it.
+        let end = child(node, "child").map(content).unwrap_or_default();
+        let end = Some(end.trim()).filter(|end| !self.names.contains_key(end));
+        if let Some(of) = relative_to(node).or(end) {
             here = self.related(of, own, &of_joint, node, reader).then(&here);
         }
         let axes: &[&str] = match word {

@@ -1,4 +1,6 @@
-//! The robot among the models of a file, and what of it is left out.
+//! The robot among the models of a file, what of it is left out, and what its frames move with.
+
+use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
@@ -74,4 +76,41 @@ pub(super) fn left_out(world: Option<Node<'_, '_>>, model: Node<'_, '_>, still: 
         }
     }
     notes
+}
+
+/// Of each frame of a model the link that it moves with: by way of other frames, and of joints, which move with their
+/// children. What is attached to nothing moves with the first link, or the one that the model names.
+pub(super) fn carriers<'a>(model: Node<'a, '_>, links: &BTreeMap<&'a str, usize>) -> BTreeMap<&'a str, usize> {
+    let canonical = model.attribute("canonical_link").filter(|link| links.contains_key(link));
+    let canonical = canonical.map(str::to_string).or_else(|| {
+        let first = model.children().find(|part| part.tag_name().name() == "link");
+        first.and_then(|link| link.attribute("name")).map(str::to_string)
+    });
+    let mut next: BTreeMap<&'a str, String> = BTreeMap::new();
+    for part in model.children().filter(Node::is_element) {
+        let of = match part.tag_name().name() {
+            "frame" => {
+                let of = part.attribute("attached_to").filter(|of| !of.is_empty() && *of != "__model__");
+                of.map(str::to_string).or_else(|| canonical.clone())
+            }
+            "joint" => child(part, "child").map(|node| content(node).trim().to_string()),
+            _ => None,
+        };
+        if let (Some(name), Some(of)) = (part.attribute("name"), of) {
+            next.insert(name, of);
+        }
+    }
+    // What was found is not looked for again; of what leads in a circle, nothing is.
+    let mut found: BTreeMap<&str, Option<usize>> = links.iter().map(|(name, link)| (*name, Some(*link))).collect();
+    for name in next.keys() {
+        let (mut way, mut at) = (Vec::new(), *name);
+        while let (None, Some(of)) = (found.get(at), next.get(at)) {
+            found.insert(at, None);
+            way.push(at);
+            at = of;
+        }
+        let link = found.get(at).copied().flatten();
+        found.extend(way.into_iter().map(|frame| (frame, link)));
+    }
+    next.keys().filter_map(|name| Some((*name, (*found.get(name)?)?))).collect()
 }

@@ -230,6 +230,35 @@ fn links_and_shapes_stand_in_joints() {
     assert!(text.contains("    shape b * translation([0, 0, 2 m]) += sphere(0.1 m);\n"), "{text}");
 }
 
+/// A joint may name a frame for a link: it stands in that of its child, and moves what carries them.
+#[test]
+fn joints_are_between_frames() {
+    let frame = |name: &str, of: &str, pose: &str| format!("<frame name='{name}' {of}><pose>{pose}</pose></frame>");
+    let joint = |parent: &str, own: &str| {
+        joint("", AXIS).replace(">world<", &format!(">{parent}<")).replace(">b<", &format!(">{own}<"))
+    };
+    let first = link("0 0 1 0 0 0", "INERTIAL") + &frame("f", "attached_to='b'", "0 0.2 0 0.4 0 0");
+    let behind = frame("g", "attached_to='h'", "0 0 0 0 0 0") + &frame("h", "attached_to='f'", "0 0.3 0 0 0 0");
+    let last = second("<pose relative_to='g'>0 0 0.5 0 0 0</pose>", "INERTIAL").replace("<parent>b<", "<parent>g<");
+    let frames = model("", &(first.clone() + &joint("world", "f") + &behind + &last));
+    moves(
+        "m.sdf",
+        &frames,
+        &[1.2499983154507381, -0.06122602957361642, -0.06122602957361642, 0.2917103174940463],
+        &[-8.764878099439288, 3.473043270914456],
+    );
+    // Attached to nothing, it is on the first link.
+    let free = frames.replace("attached_to='f'", "").replace("0 0.3 0 0 0 0", "0 0.5 1 0.4 0 0");
+    assert!(text("m.sdf", &free).contains("from `b` to `c`"));
+    let circle = frames.replace("name='h' attached_to='f'", "name='h' attached_to='g'");
+    let not = "`c` is placed relative to what is not there, or to itself";
+    refused("m.sdf", &circle, not);
+    let apart = frames.replace("<parent>g<", "<parent>x<");
+    refused("m.sdf", &apart, "the parent of the joint `k` is the link `x`, which is not there");
+    let twice = model("", &(first.clone() + &joint("b", "f")));
+    refused("m.sdf", &twice, "the joints lead in a circle: the link `b` hangs on itself, or on a link that does");
+}
+
 /// Names that the file does not give are not those that it gives.
 #[test]
 fn automatic_names_give_way() {
