@@ -243,8 +243,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let Settings { bound_mass, bound_inertia, .. } = self.settings;
         let is_bounded = bound_mass > 0.0 || bound_inertia > 0.0;
         if stated.is_none() && bound_mass > 0.0 && pos != [0.0; 3] {
-            let note = "Its mass is that of `boundmass` alone: the mass centre is where MuJoCo puts it, at the `pos` of \
-                        the body, read in its own frame. An `<inertial>` in the file puts it elsewhere.";
+            let note = "Its mass is that of `boundmass`, placed as by MuJoCo: at its `pos`, in its own frame.";
             body.notes.push(note.to_string());
         }
         let nothing = Inertial { mass: 0.0, com: pos, inertia: [0.0; 6], span: body.span.clone() };

@@ -1,5 +1,5 @@
-//! SDF, the format of Gazebo: one model, its links and joints; `file`: which model, and what is left out; `link`: poses,
-//! what links weigh and look like.
+//! SDF, the format of Gazebo: one model, its links and joints; `file`: which model, what is left out, frames; `link`:
+//! poses, what links weigh and look like.
 //!
 //! Poses of links are in the frame of the model, those of joints in the frame of their child, unless `relative_to` says
 //! otherwise; axes are in the frame of the joint, unless `expressed_in` does.

@@ -184,7 +184,7 @@ fn masses_of_bounds_stand_where_the_body_does() {
     let geom = format!("<body name='b' pos='1 0.2 0.3'>{joint}<geom size='0.1' mass='0'/></body>");
     let framed = bodies(&format!("<frame pos='0 2 0' euler='0 0 0.5'>{geom}</frame>"));
     moves("m.xml", &framed, &[0.555], &[-5.120783463263257]);
-    let note = "    // Its mass is that of `boundmass` alone: ";
+    let note = "    // Its mass is that of `boundmass`, placed as by MuJoCo: ";
     assert!(text("m.xml", &framed).contains(note));
     assert!(!text("m.xml", &framed.replace("pos='1 0.2 0.3'", "")).contains(note));
 }
