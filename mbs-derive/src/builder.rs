@@ -5,9 +5,9 @@
 //! report names the call, by file, line and column, where it would underline a text. What a message calls `at_12_9` is
 //! the value that the call at line 12, column 9 gave.
 //!
-//! Loops, functions and parts are those of Rust. What the language has besides: matrices other than the six entries of
-//! an inertia; arrays of constraints, outputs, signals and positive parameters; meshes; comparisons other than `<`, which
-//! is [`Scalar::below`].
+//! Loops, functions and parts are those of Rust. Missing here: matrices other than the six entries of an inertia;
+//! arrays of constraints, outputs, signals and positive parameters; meshes; comparisons other than `<`, which is
+//! [`Scalar::below`].
 //!
 //! ```
 //! use mbs_derive::builder::{Mechanism, Vector, particle};
@@ -342,16 +342,16 @@ impl Mechanism {
     /// `output name = value;`: its value, velocity and Jacobian are generated.
     #[track_caller]
     pub fn output<V: Value>(&mut self, name: &str, value: &V) {
-        self.put_out(name, value.term(), false, self.here(Location::caller()));
+        self.add_output(name, value.term(), false, self.here(Location::caller()));
     }
 
     /// `output name = value, jacobian_rate;`: the rate of its Jacobian is generated, too.
     #[track_caller]
     pub fn output_with_jacobian_rate<V: Value>(&mut self, name: &str, value: &V) {
-        self.put_out(name, value.term(), true, self.here(Location::caller()));
+        self.add_output(name, value.term(), true, self.here(Location::caller()));
     }
 
-    fn put_out(&mut self, name: &str, value: Term, jacobian_rate: bool, call: Place) {
+    fn add_output(&mut self, name: &str, value: Term, jacobian_rate: bool, call: Place) {
         let value = self.value(value, call);
         let (place, docs) = (self.place(call), std::mem::take(&mut self.next));
         if self.one(&format!("output {name} = 1;"), name, &place).is_some() {
@@ -378,7 +378,7 @@ impl Mechanism {
 
     // ---- drawing
 
-    /// `shape pose += box([x, y, z]);`: edges along the axes of the pose, in its middle.
+    /// `shape pose += box([x, y, z]);`: centred at the origin of the pose, edges along its axes.
     #[track_caller]
     pub fn draw_box(&mut self, pose: &Pose, edges: impl Into<Vector>) {
         self.shape("box", pose, vec![edges.into().0], self.here(Location::caller()));

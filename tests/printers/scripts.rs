@@ -142,7 +142,8 @@ fn links_of_a_long_chain_are_loops() {
     let [same, close] =
         compared(&cases, Trigonometry::Polynomials, [STATES, 5], |case, n| case.wanted(Trigonometry::Polynomials, n));
     println!("{same} numbers with the same bits");
-    assert_eq!(close, 0);
+    let is_there = RUNS.iter().any(|(_, program, shown, _)| has(program, shown));
+    assert!(close == 0 && (same > 500 || !is_there), "{same} {close}");
 }
 
 /// What loops begin with, outwards and inwards.

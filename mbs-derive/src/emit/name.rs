@@ -389,7 +389,7 @@ mod tests {
         }
         // All keywords, and those that are kept for later.
         for keyword in
-            "Self abstract as async await become box break const continue crate do dyn else enum extern false \
+            "Self self gen abstract as async await become box break const continue crate do dyn else enum extern false \
             final fn for if impl in let loop macro match mod move mut override priv pub ref return static struct super \
             trait true try type typeof unsafe unsized use virtual where while yield"
                 .split_whitespace()

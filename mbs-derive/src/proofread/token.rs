@@ -91,6 +91,11 @@ pub(super) fn tokens<'t>(text: &'t str, lexis: &Lexis) -> Reading<Vec<Token<'t>>
                 line = Some(if lexis.lines == Lines::Indented { &rest[1..=indent] } else { "" });
             }
             (None, 1)
+        } else if c.is_whitespace() && c != ' ' && lexis.lines != Lines::Free {
+            // A form feed begins a line of Python anew.
+            return Err(format!("{c:?} is no blank"));
+        } else if lexis.lines == Lines::Rows && ["%{", "%}"].iter().any(|mark| rest.starts_with(mark)) {
+            return Err("a comment of several lines".to_string());
         } else if c.is_whitespace() {
             (None, c.len_utf8())
         } else if rest.starts_with(lexis.comment) {

@@ -27,7 +27,7 @@ pub(in crate::emit) trait Loops: Syntax {
     /// A list of values.
     fn list(&self, name: &str, values: &[String]) -> Vec<String>;
     /// A component of a table, as a value.
-    fn number(&self, component: String) -> String {
+    fn entry(&self, component: String) -> String {
         component
     }
     /// An array whose components are given values one after the other.

@@ -173,7 +173,7 @@ impl<'p> Printer<'p> {
     }
 
     /// Which component it is, as the language counts them.
-    fn number(&self, Along { slope, start }: Along) -> String {
+    fn place_of(&self, Along { slope, start }: Along) -> String {
         let (index, start) = (&self.index, start + self.loops.first());
         let turn = match slope {
             0 => return start.to_string(),
@@ -189,12 +189,12 @@ impl<'p> Printer<'p> {
 
     /// A component of an array.
     fn at(&self, name: &str, along: Along) -> String {
-        self.loops.component(name, &self.number(along))
+        self.loops.component(name, &self.place_of(along))
     }
 
     /// A component of an argument.
-    fn argument(&self, name: &str, along: Along) -> String {
-        self.loops.argument(name, &self.number(along))
+    fn of_argument(&self, name: &str, along: Along) -> String {
+        self.loops.argument(name, &self.place_of(along))
     }
 
     /// A component of the array of a family.
@@ -212,7 +212,7 @@ impl<'p> Printer<'p> {
     fn leaf(&mut self, leaf: &Tree) -> Tree {
         match leaf {
             Tree::Symbol(symbol) => match argument(*symbol) {
-                Some((name, number)) => self.text(self.argument(name, Along::only(number))),
+                Some((name, number)) => self.text(self.of_argument(name, Along::only(number))),
                 None => leaf.clone(),
             },
             Tree::Local(local) => match component_of(self.groups, self.runs, &self.run_of, *local) {
@@ -304,14 +304,14 @@ impl<'p> Printer<'p> {
                 }
                 match forms.next() {
                     None | Some(Form::Same) => self.leaf(tree),
-                    Some(&Form::Argument(name, along)) => self.text(self.argument(name, along)),
+                    Some(&Form::Argument(name, along)) => self.text(self.of_argument(name, along)),
                     Some(&Form::Component(family, along)) => {
                         let Array { name, first, .. } = &self.arrays[&family];
                         self.text(self.at(name, Along { start: along.start - first, ..along }))
                     }
                     Some(Form::Table(bits)) => {
                         let table = self.table(bits);
-                        self.text(self.loops.number(self.of_this_turn(&table, run.first)))
+                        self.text(self.loops.entry(self.of_this_turn(&table, run.first)))
                     }
                     Some(Form::List(values)) => {
                         let list = self.list(values);

@@ -13,7 +13,7 @@ impl Loops for Rust<'_, '_> {
         vec![format!("let {name} = [{}];", values.join(", "))]
     }
 
-    fn number(&self, component: String) -> String {
+    fn entry(&self, component: String) -> String {
         format!("T::from_f64({component})")
     }
 

@@ -1,8 +1,8 @@
 //! How rows of constraints follow from others: by multiples that are the same at all states, or by others at each.
 //!
-//! Only in the first case have the rows that are left the rank of all of them at every state. Of two wheels on one axle
-//! the direction that follows is that of the axle: `v.x = 0` is enough for the second one, but not where the axle points
-//! along x.
+//! Only in the first case have the rows that are left the rank of all of them at every state. Of two wheels on one
+//! axle the direction that follows is that of the axle: `v.x = 0` is enough for the second one, but not where the axle
+//! points along x.
 
 /// How all rows of a constraint that others determine follow from these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use crate::expr::{Expr, Matrix, Number, Vector};
 use crate::model::names::scope::Origin;
 use crate::model::value::quantity::UnitsInPlace;
 use crate::model::value::{Free, Scalar, Tensor, Value};
-use crate::parse::syntax::{Expression, Quantity, Span};
+use crate::parse::syntax::{Expression, ExpressionKind, Quantity, Span};
 
 /// Longer arrays are a slip of the pen.
 const MAX_LENGTH: i64 = 10_000;
@@ -386,18 +386,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
             (Value::Array(array), Some(length)) => {
                 self.check_length(array.values().len(), length, &expression.span).map(|()| value)
             }
-            (Value::Vector(_), Some(length)) => {
+            (Value::Vector(_), Some(length)) if length == 3 || matches!(expression.kind, ExpressionKind::Array(_)) => {
                 self.check_length(3, length, &expression.span)?;
                 let elements = self.elements(&Argument { value, span: expression.span.clone() })?;
                 self.array(elements, &expression.span)
             }
-            (Value::Scalar(_), Some(length)) => self.array(vec![value; length], &expression.span),
-            (_, Some(length)) => {
+            // Is it meant to have one row each, or three times the same matrix?
+            (Value::Matrix(_), Some(3)) => {
                 let name = &quantity.name.text;
-                let message = format!("`{name}` is an array of {length}, this is {}", value.described());
-                let help = format!("leave `[{length}]` out, or write `[…, …]` with {length} elements");
+                let message = format!("`{name}` is an array of 3, this is {}", value.described());
+                let help = "leave `[3]` out, or write `[…, …, …]` with three elements";
                 Err(self.refuse(Code::CountOfValues, &expression.span, message, help))
             }
+            (_, Some(length)) => self.array(vec![value; length], &expression.span),
             (_, None) => Ok(value),
         }
     }

@@ -428,7 +428,12 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let known_base = self.known.facts.constant(base.expr);
         if known_base.is_some_and(Number::is_zero) && self.known.facts.dependence(exponent).moves() {
             let message = "zero has no power with an exponent that changes";
-            return Err(self.refuse(Code::NotFinite, &a.span, message, "it is 0 where the exponent is positive"));
+            return Err(self.refuse(
+                Code::NotFinite,
+                &a.span,
+                message,
+                "write 0 in its place: that is what it is where the exponent is positive",
+            ));
         }
         if known_base.is_some_and(Number::is_negative) {
             let message = "a negative number has no power with this exponent";

@@ -22,7 +22,7 @@ pub(super) enum Value {
 }
 
 impl Value {
-    pub(super) fn list(numbers: Vec<Number>) -> Self {
+    pub(super) fn vector(numbers: Vec<Number>) -> Self {
         Value::Array([numbers.len()].into(), numbers.into())
     }
 }

@@ -270,7 +270,7 @@ impl<'d, 'n> Sheet<'d, 'n> {
             let (count, symbol) = self.expectation.components(argument);
             if count > 0 {
                 let numbers = (0..count as u32).map(|i| self.numbering.symbol(symbol(i))).collect();
-                names.push((argument.name(), Value::list(numbers)));
+                names.push((argument.name(), Value::vector(numbers)));
                 arguments.push((argument.name(), Some(count)));
             }
         }
@@ -281,7 +281,7 @@ impl<'d, 'n> Sheet<'d, 'n> {
         };
         for &argument in found {
             let numbers = flat(&self.expectation.of_the_motion(argument, self.numbering));
-            names.push((argument.name(), Value::list(numbers)));
+            names.push((argument.name(), Value::vector(numbers)));
         }
         let names = names.into_iter().map(|(name, value)| (name.to_string(), value));
         self.scopes.last_mut().expect("a function has begun").names.extend(names);

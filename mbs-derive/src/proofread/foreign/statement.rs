@@ -84,6 +84,9 @@ impl<'t> Reader<'_, 't> {
 
     /// Gives a new name a value, within the side that is open.
     fn bind(&mut self, name: &'t str, value: Value, sides: &mut [Side<'t>]) -> Reading<()> {
+        if self.turn.as_ref().is_some_and(|turn| turn.index == name) {
+            return Err(format!("`{name}` is the index of the loop"));
+        }
         let is_known = self.names.contains_key(name);
         // Where nothing is declared, a name may be given to another value, but for one side alone.
         if is_known && (self.dialect.has_choices || !sides.is_empty()) {
@@ -231,7 +234,9 @@ impl<'t> Reader<'_, 't> {
         self.expect(open)?;
         self.row_goes_on()?;
         while !self.takes(close) {
+            let first = self.at;
             numbers.push(self.expression()?);
+            self.is_one_entry(first)?;
             if !self.takes(",") {
                 self.expect(close)?;
                 break;
@@ -239,6 +244,20 @@ impl<'t> Reader<'_, 't> {
             self.row_goes_on()?;
         }
         Ok(numbers)
+    }
+
+    /// An error where blanks within brackets of MATLAB make several entries of one expression: `[a -b]` has two.
+    fn is_one_entry(&self, first: usize) -> Reading<()> {
+        let mut depth = 0;
+        for pair in self.tokens[first..self.at].windows(2) {
+            depth += usize::from(pair[0].is("("));
+            depth -= usize::from(pair[0].is(")"));
+            let is_apart = pair[1].start > pair[0].start + pair[0].text.len();
+            if self.dialect.family == Family::Matlab && depth == 0 && is_apart {
+                return self.unknown();
+            }
+        }
+        Ok(())
     }
 
     /// `...` at the end of a line, within brackets of MATLAB.
@@ -326,7 +345,7 @@ impl<'t> Reader<'_, 't> {
     /// `let a, b;`, and what gives them their values.
     fn declared(&mut self, sides: &mut Vec<Side<'t>>) -> Reading<()> {
         self.at += 1;
-        if self.tokens.get(self.at + 1).is_some_and(|token| token.is("[")) {
+        if self.dialect.family == Family::C && self.tokens.get(self.at + 1).is_some_and(|token| token.is("[")) {
             return self.arrays(sides);
         }
         let mut names = vec![self.name()?];

@@ -5,7 +5,10 @@ use std::ops::Range;
 
 use super::super::tests::{QUICK, derivation, derived};
 use super::*;
+use crate::Analysis;
 use crate::emit::Trigonometry;
+use crate::expr::Graph;
+use crate::source::Sources;
 
 fn others() -> impl Iterator<Item = Language> {
     Language::ALL.into_iter().filter(|language| *language != Language::Rust)
@@ -177,19 +180,58 @@ fn damaged_texts_of_other_languages_are_refused() {
 #[test]
 fn damaged_loops_are_refused() {
     let text = "mechanism Chain {
-        coord q[26]: rad;
+        coord q[40]: rad;
         let mut link = world;
-        for i in 0..26 {
+        for i in 0..40 {
             link = link * rot_z(q[i]) * rot_x(1) * translation([1 m, 0, 0]);
             kinetic += particle(2 kg, link.point([1 m, 2 m, 0]));
         }
     }";
-    let derivation = derived(std::path::Path::new("chain.mbs"), text.to_string());
     let options = Options::default().functions(["inverse_dynamics"]);
-    for language in [Language::C, Language::Js, Language::Python, Language::Matlab] {
-        let refused = damage(&derivation, language, &options, 100);
+    let graph = Graph::verbatim();
+    let analysis = Analysis::with_options(&Sources::new("chain.mbs", text), &graph, &options).expect("a chain");
+    let derivation = analysis.programs();
+    for (language, begin, index) in [
+        (Language::C, "for (int i = ", "const mbs_real i = MBS_C(3.0);"),
+        (Language::Js, "for (let i = ", "const i = 3.0;"),
+        (Language::Python, "for i in ", "            i = 3.0"),
+        (Language::Matlab, "for k = ", "k = 3.0;"),
+    ] {
+        let refused = damage(derivation, language, &options, 100);
         assert!(refused.values().sum::<usize>() > 33, "{}", language.name());
+        // The index may not be given another value.
+        let code = language.write(derivation, "chain.mbs", &options);
+        let head = code.find(begin).expect("a loop");
+        let behind = head + code[head..].find('\n').expect("a line") + 1;
+        let wrong = [&code[..behind], index, "\n", &code[behind..]].concat();
+        assert!(derivation.proofread(language, &options, &wrong).is_err(), "{}", language.name());
     }
+}
+
+/// Blanks part the entries of a row in MATLAB, and `%{` begins a comment of several lines.
+#[test]
+fn blanks_within_brackets_of_matlab_are_read() {
+    let text = "mechanism Cable {
+        param m[40]: kg = 1;
+        coord q[40]: rad;
+        let mut link = world;
+        for i in 0..40 {
+            link = link * rot_z(q[i]) * rot_x(1) * translation([1 m, 0, 0]);
+            kinetic += particle(m[i], link.point([1 m, 2 m, 0]));
+        }
+    }";
+    let options = Options::default().functions(["inverse_dynamics"]);
+    let graph = Graph::verbatim();
+    let analysis = Analysis::with_options(&Sources::new("cable.mbs", text), &graph, &options).expect("a chain");
+    let code = Language::Matlab.write(analysis.programs(), "cable.mbs", &options);
+    let read = |code: &str| analysis.programs().proofread(Language::Matlab, &options, code);
+    let (before, list) = code.split_once("values = [ ...\n    ").expect("a list");
+    for entry in ["- ", "0.0 -", "0.0 - "] {
+        assert!(read(&[before, "values = [ ...\n    ", entry, list].concat()).is_err(), "{entry}");
+    }
+    let (before, head) = code.split_once("for k = ").expect("a loop");
+    assert!(read(&[before, "%{\n%}\nfor k = ", head].concat()).is_err());
+    assert!(read(&code).is_ok());
 }
 
 /// Operands of a product may change places, those of a quotient not; and a report says where and what.

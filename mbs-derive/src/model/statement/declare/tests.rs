@@ -177,12 +177,15 @@ fn wrong_quantities() {
     );
     refused(
         "const i[3]: kg*m^2 = inertia(1, 2, 3);",
-        "inertia(1, 2, 3): `i` is an array of 3, this is a matrix; leave `[3]` out, or write `[…, …]` with 3 elements",
+        "inertia(1, 2, 3): `i` is an array of 3, this is a matrix; leave `[3]` out, or write `[…, …, …]` with three elements",
     );
     refused(
         "const w[4]: m = [1, 2, 3];",
         "[1, 2, 3]: this array has 3 elements, 4 are declared; one value without brackets stands for all elements",
     );
+    // One value stands for all elements.
+    let copies = "const i[2]: kg*m^2 = diag(1, 2, 3); const c[2]: m = 2*[1, 2, 3];";
+    assert_eq!(refusals(copies), [""; 0]);
     refused("param a: kg = [1, 2];", "[1, 2]: `a` is one number, this is an array of 2; write `param a[2]`");
     refused(
         "param a: kg = world;",

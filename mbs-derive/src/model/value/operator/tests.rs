@@ -67,7 +67,7 @@ fn dimensions_follow_the_operators() {
         "let a = (-2)^0.3;",
         "(-2): a negative number has no power with this exponent; integers and halves are exponents for any base",
     );
-    let changes = "zero has no power with an exponent that changes; it is 0 where the exponent is positive";
+    let changes = "zero has no power with an exponent that changes; write 0 in its place: that is what it is where the exponent is positive";
     refused("let a = (sin(pi))^theta;", &format!("(sin(pi)): {changes}"));
     refused("let a = 0^(u/(1 N));", &format!("0: {changes}"));
 }
