@@ -33,11 +33,27 @@ impl Family {
 }
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// The index of a declaration, below `limit`.
-    pub(in crate::model) fn number_of(&mut self, index: Option<&Expression>, limit: usize) -> Resolved<Option<usize>> {
+    /// The index of a declaration, below `limit`; `what` it is, such as "output".
+    pub(in crate::model) fn number_of(
+        &mut self,
+        index: Option<&Expression>,
+        limit: usize,
+        what: &str,
+    ) -> Resolved<Option<usize>> {
         let Some(index) = index else { return Ok(None) };
         let index = self.argument(index)?;
-        self.index(&index, limit).map(Some)
+        let number = self.integer(&index, "an index")?;
+        match usize::try_from(number) {
+            Ok(number) if number < limit => Ok(Some(number)),
+            Ok(_) => {
+                let message = format!("an array has at most {limit} {what}s, this one has the index {number}");
+                Err(self.refuse(Code::TooMuch, &index.span, message, "indices run from 0 on, without gaps"))
+            }
+            Err(_) => {
+                let message = format!("the index {number} is negative");
+                Err(self.refuse(Code::IndexOutOfRange, &index.span, message, "indices run from 0 on, without gaps"))
+            }
+        }
     }
 
     /// One more element of the family of this name; `what` it is, such as "output".

@@ -36,7 +36,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
     ) -> Resolved<()> {
         let span = left.span.start..right.span.end;
         let difference = difference(left, right);
-        let number = self.number_of(index, MAX_ROWS);
+        let number = self.number_of(index, MAX_ROWS, "constraint");
         let (left, right) = (self.argument(left), self.argument(right));
         let number = number?;
         self.note_constraint(name, number)?;

@@ -41,7 +41,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         value: &Expression,
         jacobian_rate: Option<&Span>,
     ) -> Resolved<()> {
-        let number = self.number_of(index, MAX_LENGTH);
+        let number = self.number_of(index, MAX_LENGTH, "output");
         let value = self.argument(value);
         if let Ok(value) = &value {
             self.note_meaning(&name.span, &value.value);

@@ -85,7 +85,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         pose: &Name,
         element: &[Expression],
     ) -> Resolved<()> {
-        let number = self.number_of(index, MAX_JOINTS);
+        let number = self.number_of(index, MAX_JOINTS, "reaction");
         let element = self.element_that_holds(pose, element);
         let held = element.clone().and_then(|element| self.held(pose, element.as_deref()));
         let number = number?;
@@ -356,6 +356,10 @@ mod tests {
         refused(
             &format!("{ARM} reaction r[1] at arm;"),
             "r: there is no reaction `r[0]`; indices run from 0 on, without gaps",
+        );
+        refused(
+            &format!("{ARM} reaction r[100] at arm;"),
+            "100: an array has at most 100 reactions, this one has the index 100; indices run from 0 on, without gaps",
         );
     }
 
