@@ -109,7 +109,7 @@ pub(in crate::model) struct Pose<'g> {
 /// Values in a row.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::model) struct Array<'g> {
-    values: Rc<[Value<'g>]>,
+    values: Rc<Vec<Value<'g>>>,
     /// How many values that are no arrays there are in it, all levels together.
     leaves: usize,
     /// Levels of arrays.
@@ -196,8 +196,19 @@ impl<'g> Array<'g> {
                 _ => leaves += 1,
             }
         }
-        let array = Array { values: values.into(), leaves, depth: depth + 1 };
-        (leaves <= Self::MAX_LEAVES && array.depth <= Self::MAX_DEPTH).then_some(array)
+        Array { values: values.into(), leaves, depth: depth + 1 }.unless_too_large()
+    }
+
+    /// With one more value, which is no array, behind the others; they are copied only where the array is held
+    /// elsewhere, too.
+    pub(in crate::model) fn with(mut self, value: Value<'g>) -> Option<Self> {
+        Rc::make_mut(&mut self.values).push(value);
+        self.leaves += 1;
+        self.unless_too_large()
+    }
+
+    fn unless_too_large(self) -> Option<Self> {
+        (self.leaves <= Self::MAX_LEAVES && self.depth <= Self::MAX_DEPTH).then_some(self)
     }
 
     pub(in crate::model) fn values(&self) -> &[Value<'g>] {

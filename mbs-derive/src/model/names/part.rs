@@ -273,13 +273,15 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.note_meaning(&name.span, instance);
         }
         let known = self.names.scope.in_body(&name.text).and_then(|known| match known.value.take() {
-            Some(Value::Array(array)) => Some(array.values().to_vec()),
+            Some(Value::Array(array)) => Some(array),
             _ => None,
         });
         let value = match (number, instance) {
             (None, instance) => instance,
             (Some(_), Some(instance)) => {
-                Array::new(known.into_iter().flatten().chain([instance]).collect()).map(Value::Array)
+                let array =
+                    known.map_or_else(|| Array::new(vec![instance.clone()]), |array| array.with(instance.clone()));
+                array.map(Value::Array)
             }
             (Some(_), None) => None,
         };
