@@ -153,6 +153,7 @@ codes! {
     BringsEnergyIn = 818,
     AngleInDegrees = 819,
     NoDerivative = 820,
+    UndefinedAtRest = 821,
 
     // Bodies, poses, inertia.
     NegativeMass = 901,

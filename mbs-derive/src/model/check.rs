@@ -125,16 +125,19 @@ impl<'d, 'g> Resolver<'d, 'g> {
     fn check_degree(&mut self, name: &Name) {
         for problem in degree::problems(&self.lagrangian) {
             let place = match &problem {
-                Problem::KineticNotQuadratic(term) | Problem::NegativeKinetic(term) => {
-                    self.found.places.kinetic.get(*term).cloned()
+                Problem::KineticNotQuadratic(term)
+                | Problem::KineticUndefinedAtRest(term)
+                | Problem::NegativeKinetic(term) => self.found.places.kinetic.get(*term).cloned(),
+                Problem::LagrangianNotQuadratic(term) | Problem::LagrangianUndefinedAtRest(term) => {
+                    self.found.places.lagrangian.get(*term).cloned()
                 }
-                Problem::LagrangianNotQuadratic(term) => self.found.places.lagrangian.get(*term).cloned(),
                 Problem::PotentialDependsOnVelocity(term) => self.found.places.potential.get(*term).cloned(),
                 Problem::NoInertia(coordinate)
                 | Problem::NegativeInertia(coordinate)
                 | Problem::NegativeSignal(coordinate, _) => self.place_of(*coordinate),
                 Problem::DependentInertia(coordinates) => coordinates.first().and_then(|c| self.place_of(*c)),
                 Problem::ConstraintNotLinear(constraint)
+                | Problem::ConstraintUndefinedAtRest(constraint)
                 | Problem::DependentConstraint(constraint, ..)
                 | Problem::DegenerateConstraint(constraint) => self.found.places.constraints.get(*constraint).cloned(),
                 Problem::NeverFinite => None,
@@ -510,6 +513,35 @@ mod tests {
         );
         check("kinetic += m*(dt(x)^2 + dt(y)^2); lagrangian += m*dt(x)^4*t^2/y^2;", "m*dt(x)^4*t^2/y^2");
         check("kinetic += m*(dt(x) + dt(y))^2;", "x");
+    }
+
+    #[test]
+    fn what_is_divided_by_does_not_vanish_at_rest() {
+        let found = |statements: &str| {
+            messages(&format!(
+                "mechanism A {{ param m: kg = 1; coord x: m; coord y: m; kinetic += m*(dt(x)^2 + dt(y)^2); {statements} }}"
+            ))
+        };
+        let refused = |statements: &str, message: &str| {
+            let help = "divide it out: `dt(x) + dt(y)` for `(dt(x)^2 - dt(y)^2)/(dt(x) - dt(y))`";
+            assert_eq!(found(statements), [format!("{message}; {help}")], "{statements}");
+        };
+        let row = "(dt(x)^2 - dt(y)^2)/(dt(x) - dt(y))";
+        let energy = "this energy has no value at rest: it divides by what vanishes there";
+        refused(&format!("lagrangian += 1 kg*m/s*{row};"), &format!("1 kg*m/s*{row}: {energy}"));
+        let quotient = "1/8*m*(dt(x)^4 - dt(y)^4)/(dt(x)^2 + dt(y)^2)";
+        refused(&format!("kinetic += {quotient};"), &format!("{quotient}: {energy}"));
+        let constraint = "the constraint `c` has no value at rest: it divides by what vanishes there";
+        refused(&format!("constraint c: {row} = 0 m/s;"), &format!("{row} = 0 m/s: {constraint}"));
+        for fine in [
+            "constraint c: dt(x)*(1 m/s + dt(x))/(1 m/s + dt(x)) = dt(y);",
+            "kinetic += m*dt(x)^2*(1 m/s + dt(x))/(1 m/s + dt(x));",
+        ] {
+            assert!(found(fine).is_empty(), "{fine}: {:?}", found(fine));
+        }
+        // At rest it is 0/0, its coefficients are not: a warning.
+        let warned = found("constraint c: dt(x)*dt(y)/dt(y) = dt(y);");
+        assert!(warned.len() == 1 && warned[0].contains("this is 0/0 where `dt(y)` = 0"), "{warned:?}");
     }
 
     #[test]

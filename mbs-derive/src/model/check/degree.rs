@@ -9,7 +9,9 @@
 use std::fmt;
 
 use crate::diagnostic::Code;
-use crate::expr::{Dual, Expr, Number, Residue, Rounded, Symbol, Tape, Value, generic};
+use crate::expr::{
+    Dual, Expr, Graph, Number, Residue, Rounded, Symbol, Tape, Value, carry_out, generic, gradient, substitute,
+};
 use crate::numeric::Random;
 use crate::state::State;
 use crate::variable::component_names;
@@ -20,7 +22,7 @@ use crate::model::check::relation::Relation;
 use crate::model::check::sample::default_parameters;
 use crate::model::check::velocity;
 use crate::model::frame::Edge;
-use crate::model::lagrangian::{Constraint, Draft};
+use crate::model::lagrangian::{Constraint, ConstraintKind, Draft};
 use crate::model::names::element::shown;
 
 /// A mistake in the energies.
@@ -32,6 +34,12 @@ pub(crate) enum Problem {
     LagrangianNotQuadratic(usize),
     /// The potential term with this number depends on velocities.
     PotentialDependsOnVelocity(usize),
+    /// The kinetic term with this number divides by what vanishes at rest.
+    KineticUndefinedAtRest(usize),
+    /// The lagrangian term with this number divides by what vanishes at rest.
+    LagrangianUndefinedAtRest(usize),
+    /// A row of the constraint with this number divides by what vanishes at rest.
+    ConstraintUndefinedAtRest(usize),
     /// Moving this coordinate costs no kinetic energy, at any sampled state.
     NoInertia(usize),
     /// Some motion of these coordinates together costs no kinetic energy, at any sampled state.
@@ -59,6 +67,9 @@ impl Problem {
         match self {
             Problem::KineticNotQuadratic(_) | Problem::LagrangianNotQuadratic(_) => Code::NotQuadratic,
             Problem::PotentialDependsOnVelocity(_) => Code::VelocityInPotential,
+            Problem::KineticUndefinedAtRest(_)
+            | Problem::LagrangianUndefinedAtRest(_)
+            | Problem::ConstraintUndefinedAtRest(_) => Code::UndefinedAtRest,
             Problem::NoInertia(_) => Code::NoInertia,
             Problem::DependentInertia(_) => Code::DependentInertia,
             Problem::NegativeInertia(_) | Problem::NegativeSignal(..) | Problem::NegativeKinetic(_) => {
@@ -75,9 +86,16 @@ impl Problem {
     pub(crate) fn message(&self, lagrangian: &Draft<'_>) -> String {
         let names = component_names(&lagrangian.coordinates);
         match self {
-            Problem::KineticNotQuadratic(_) => "kinetic energy must be quadratic in the velocities".to_string(),
+            Problem::KineticNotQuadratic(_) => "kinetic energy must be at most quadratic in the velocities".to_string(),
             Problem::LagrangianNotQuadratic(_) => "a term of L must be at most quadratic in the velocities".to_string(),
             Problem::PotentialDependsOnVelocity(_) => "potential energy must not depend on velocities".to_string(),
+            Problem::KineticUndefinedAtRest(_) | Problem::LagrangianUndefinedAtRest(_) => {
+                "this energy has no value at rest: it divides by what vanishes there".to_string()
+            }
+            Problem::ConstraintUndefinedAtRest(i) => format!(
+                "the constraint `{}` has no value at rest: it divides by what vanishes there",
+                lagrangian.constraints[*i].name
+            ),
             Problem::NoInertia(i) => {
                 format!("coordinate `{}` has no inertia: no kinetic energy belongs to its velocity", names[*i])
             }
@@ -119,6 +137,11 @@ impl Problem {
             }
             Problem::PotentialDependsOnVelocity(_) => {
                 "a velocity-dependent potential U goes into `lagrangian += -U`, friction into `dissipation +=`".to_string()
+            }
+            Problem::KineticUndefinedAtRest(_)
+            | Problem::LagrangianUndefinedAtRest(_)
+            | Problem::ConstraintUndefinedAtRest(_) => {
+                "divide it out: `dt(x) + dt(y)` for `(dt(x)^2 - dt(y)^2)/(dt(x) - dt(y))`".to_string()
             }
             Problem::NoInertia(i) => format!("add `kinetic += …` with `dt({})`, or make it an input or a parameter", names[*i]),
             Problem::DependentInertia(coordinates) if holds_a_quaternion(lagrangian, coordinates) => {
@@ -228,6 +251,9 @@ pub(crate) fn problems(lagrangian: &Draft<'_>) -> Vec<Problem> {
     let mut found = degrees(lagrangian, &states);
     found.extend(constraints.degrees(lagrangian, &states));
     if found.is_empty() {
+        found.extend(undefined_at_rest(lagrangian, &states));
+    }
+    if found.is_empty() {
         found.extend(constraints.problems(lagrangian, &states));
     }
     if found.is_empty() {
@@ -326,6 +352,49 @@ fn degrees(lagrangian: &Draft<'_>, lines: &[Line]) -> Vec<Problem> {
         beyond(0, &lagrangian.potential, Problem::PotentialDependsOnVelocity),
     ]
     .concat()
+}
+
+/// The terms of T and L, and the constraints on velocities, whose coefficients of velocities cannot be taken where
+/// nothing moves, because they are 0/0 there.
+fn undefined_at_rest(lagrangian: &Draft<'_>, lines: &[Line]) -> Vec<Problem> {
+    let energies = |terms: &[Expr<'_>], problem: fn(usize) -> Problem| {
+        let suspects = velocity::unbounded(terms);
+        let tape = Tape::new(&suspects.iter().map(|&term| terms[term]).collect::<Vec<_>>());
+        let values: Vec<_> = lines.iter().map(|line| tape.run(|symbol| line.with_velocity(&|_| 0.0, symbol))).collect();
+        let is_undefined = |at: usize| values.iter().all(|values| !values[at].value.is_finite());
+        let found = suspects.iter().enumerate().filter(|(at, _)| is_undefined(*at));
+        found.map(|(_, &term)| problem(term)).collect::<Vec<_>>()
+    };
+    let mut found = energies(&lagrangian.kinetic, Problem::KineticUndefinedAtRest);
+    found.extend(energies(&lagrangian.lagrangian, Problem::LagrangianUndefinedAtRest));
+    let constraints = lagrangian.constraints.iter().enumerate();
+    let constraints = constraints.filter(|(_, constraint)| {
+        constraint.kind == ConstraintKind::Pfaffian
+            && velocity::unbounded(&constraint.rows)
+                .into_iter()
+                .any(|row| changes_at_rest(constraint.rows[row], lagrangian.dof(), lines))
+    });
+    found.extend(constraints.map(|(number, _)| Problem::ConstraintUndefinedAtRest(number)));
+    found
+}
+
+/// Whether the coefficients of the velocities in a row, which is linear in them, are others at rest, as the graph
+/// simplifies them, than in motion: at none of the states are they the same.
+fn changes_at_rest(row: Expr<'_>, n: usize, lines: &[Line]) -> bool {
+    let graph = Graph::new();
+    let row = carry_out(&[row], &graph, |symbol| inertia::rate(symbol, &graph))[0];
+    let velocities: Vec<Symbol> = (0..n as u32).map(Symbol::Velocity).collect();
+    let moving = gradient(row, &velocities);
+    let resting = substitute(&moving, |symbol| matches!(symbol, Symbol::Velocity(_)).then(|| graph.integer(0)));
+    let tape = Tape::new(&[moving, resting].concat());
+    let differs = |(moving, resting): (&Dual<f64>, &Dual<f64>)| {
+        let size = moving.value.abs().max(resting.value.abs());
+        // What is no number differs from all.
+        !((moving.value - resting.value).abs() <= 1e-6 * size)
+    };
+    let states = lines.iter().map(|line| tape.run(line.point(0.0)));
+    let mut states = states.filter(|values| values[..n].iter().all(|value| value.value.is_finite())).peekable();
+    states.peek().is_some() && states.all(|values| values[..n].iter().zip(&values[n..]).any(differs))
 }
 
 /// Whether the differences of order `degree + 1`, which vanish of a polynomial of the degree, are more than rounding on

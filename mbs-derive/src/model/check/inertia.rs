@@ -64,7 +64,13 @@ impl Motion {
 /// `∂L/∂q̇`
 fn momenta(sum: Expr<'_>, n: usize) -> Tape {
     let graph = Graph::verbatim();
-    let rate = |symbol| match symbol {
+    let carried = carry_out(&[sum], &graph, |symbol| rate(symbol, &graph))[0];
+    Tape::new(&gradient(carried, &(0..n as u32).map(Symbol::Velocity).collect::<Vec<_>>()))
+}
+
+/// What a symbol changes by along a motion, in energies and constraints.
+pub(in crate::model) fn rate<'g>(symbol: Symbol, graph: &'g Graph) -> Option<Expr<'g>> {
+    match symbol {
         Symbol::Time => Some(graph.integer(1)),
         Symbol::Coordinate(i) => Some(graph.symbol(Symbol::Velocity(i))),
         Symbol::Prescribed(i, order) => Some(graph.symbol(Symbol::Prescribed(i, order + 1))),
@@ -73,9 +79,7 @@ fn momenta(sum: Expr<'_>, n: usize) -> Tape {
         | Symbol::Parameter(_)
         | Symbol::Input(_)
         | Symbol::Multiplier(_) => None,
-    };
-    let carried = carry_out(&[sum], &graph, rate)[0];
-    Tape::new(&gradient(carried, &(0..n as u32).map(Symbol::Velocity).collect::<Vec<_>>()))
+    }
 }
 
 /// Of many coordinates, one that has no inertia in a motion of all, or whose motion with others has a negative one.

@@ -27,6 +27,13 @@ pub(in crate::model) fn beyond(degree: usize, terms: &[Expr<'_>], seems: impl Fn
     (0..terms.len()).filter(is_beyond).collect()
 }
 
+/// The numbers of the terms whose degree cannot be read off.
+pub(in crate::model) fn unbounded(terms: &[Expr<'_>]) -> Vec<usize> {
+    let Some(first) = terms.first() else { return Vec::new() };
+    let bounds = bounds(first.graph(), terms);
+    (0..terms.len()).filter(|&term| bounds[&terms[term].id()].is_none()).collect()
+}
+
 /// Degrees that nodes do not exceed; `None` where nothing is known.
 fn bounds(graph: &Graph, roots: &[Expr<'_>]) -> BTreeMap<Id, Option<usize>> {
     let mut known: BTreeMap<Id, Option<usize>> = BTreeMap::new();
