@@ -360,8 +360,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.refuse(
                 Code::TooDeep,
                 place,
-                format!("loops are nested deeper than {MAX_BLOCKS} levels"),
-                "`if` counts, too",
+                format!("loops and `if` are nested deeper than {MAX_BLOCKS} levels"),
+                "each `for` and each `if` is a level",
             );
             false
         } else {
@@ -459,6 +459,9 @@ mod tests {
             "coord y: m;: `coord` cannot stand in a loop; declare an array before the loop, and use its elements in it",
         );
         let nested = format!("{}{}", "for i in 0..1 { ".repeat(110), "} ".repeat(110));
-        assert_eq!(refusals(&nested), ["i: loops are nested deeper than 100 levels; `if` counts, too"]);
+        assert_eq!(
+            refusals(&nested),
+            ["i: loops and `if` are nested deeper than 100 levels; each `for` and each `if` is a level"]
+        );
     }
 }
