@@ -56,8 +56,8 @@ use witness::exact;
 /// At this many generic states both must agree.
 pub const STATES: usize = 20;
 
-/// Up to this many states, and one more, doubles are asked for what is proved exactly: whether the order of operations
-/// that is emitted keeps rounding within its bound.
+/// Until this many states have been met, doubles are asked for what is proved exactly, too: whether the order of
+/// operations that is emitted keeps rounding within its bound. A state on constraints is met together with another.
 const STATES_OF_KNOWN: usize = 7;
 
 /// Largest relative difference, beside what rounding explains.
@@ -75,7 +75,8 @@ pub(crate) const TOLERANCE: f64 = 1e-9;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Proof {
-    /// At how many states, those with exact zeros included.
+    /// At how many states functions were tried in doubles, those with exact zeros included: what is proved exactly is
+    /// compared at the first seven or eight only.
     pub states: usize,
     /// At how many of them some motion has no inertia: Euler angles and polar coordinates have such states.
     pub singular: usize,
