@@ -255,9 +255,8 @@ impl Gathering<'_, '_> {
         let values = values.map(|value| sign * value);
         let best = (0..=PARTS).fold(0, |best, k| if values[k] > values[best] { k } else { best });
         let (low, high) = (best.saturating_sub(1), (best + 1).min(PARTS));
-        // Of a parabola the greatest value beside it is higher than the greatest of three neighbouring places by no
-        // more than an eighth of what these differ by: at both ends of the step, too, where there is one neighbour
-        // alone.
+        // The vertex of a parabola is above the greatest of three neighbouring values by at most an eighth of their
+        // range; so it is at the ends of a step, where the greatest has one neighbour.
         let first = best.clamp(1, PARTS - 1) - 1;
         let rise = values[best] - values[first..first + 3].iter().fold(values[best], |least, value| least.min(*value));
         let mut peak = so_far.max(values[best]);

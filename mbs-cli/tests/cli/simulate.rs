@@ -73,7 +73,7 @@ fn fixed_steps_do_not_depend_on_the_time() {
     // A duration that is no multiple: four steps of 0.25 s.
     let found = place("0", "1", "semi-implicit-euler", "0.3");
     assert!((found + 9.81 * 0.0625 * 10.0).abs() < 1e-12, "{found}");
-    // Where the clock tells 2 s apart, a step of 0.1 s is still one.
+    // Where times of the clock are 2 s apart, a step of 0.1 s is still one.
     let found = place("10000000000000000", "10000000000000016", "gauss-legendre4", "0.1");
     assert!((14.0..=16.0).contains(&(-2.0 * found / 9.81).sqrt()), "{found}");
 }
