@@ -405,7 +405,7 @@ fn mistakes_of_other_formats_are_reported_too() {
     refused(
         "m.sdf",
         &sdf("<joint name=\"j\" type=\"fixed\"><parent>x</parent><child>l</child></joint>"),
-        "error[MBS0310]: the parent of the joint `j` is the link `x`, which is not there\n --> m.sdf:2:46",
+        "error[MBS0310]: the parent of the joint `j` is `x`, which is no link or frame of the model\n --> m.sdf:2:46",
     );
     let massless = "<inertial><mass>0</mass><inertia><ixx>0</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial>";
     refused(

@@ -242,7 +242,7 @@ impl<'a, 'i> Model<'a, 'i> {
         if number.is_none() {
             reader.refuse(
                 tag(node),
-                format!("the {which} of the joint `{name}` is the link `{link}`, which is not there"),
+                format!("the {which} of the joint `{name}` is `{link}`, which is no link or frame of the model"),
                 "",
             );
         }

@@ -254,7 +254,7 @@ fn joints_are_between_frames() {
     let not = "`c` is placed relative to what is not there, or to itself";
     refused("m.sdf", &circle, not);
     let apart = frames.replace("<parent>g<", "<parent>x<");
-    refused("m.sdf", &apart, "the parent of the joint `k` is the link `x`, which is not there");
+    refused("m.sdf", &apart, "the parent of the joint `k` is `x`, which is no link or frame of the model");
     let twice = model("", &(first.clone() + &joint("b", "f")));
     refused("m.sdf", &twice, "the joints lead in a circle: the link `b` hangs on itself, or on a link that does");
 }
