@@ -94,17 +94,19 @@ impl<'a, 'i> File<'a, 'i, '_> {
     }
 
     fn connect(&mut self, node: Node<'a, 'i>, name: String) {
-        if is_between_sites(node) {
+        let (bodies, poses) = if is_between_sites(node) {
             let Some([(a, p), (b, q)]) = self.between_sites(node, &name) else { return };
-            return self.held(name, [a, b], [p, q], true);
-        }
-        let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
-        if self.reader.wanted(node, "anchor", &format!("the equality `{name}`")).is_none() {
-            return;
-        }
-        let Some(anchor) = self.reader.array(node, "anchor", &format!("the anchor of `{name}`")) else { return };
-        let points = [anchor, carried(&self.robot, a, anchor, b)];
-        self.held(name, [a, b], points.map(|shift| Pose { shift, ..Pose::default() }), true);
+            ([a, b], [p, q])
+        } else {
+            let (Some(a), Some(b)) = (self.end(node, "body1"), self.end(node, "body2")) else { return };
+            if self.reader.wanted(node, "anchor", &format!("the equality `{name}`")).is_none() {
+                return;
+            }
+            let Some(anchor) = self.reader.array(node, "anchor", &format!("the anchor of `{name}`")) else { return };
+            let points = [anchor, carried(&self.robot, a, anchor, b)];
+            ([a, b], points.map(|shift| Pose { shift, ..Pose::default() }))
+        };
+        self.held(name, bodies, poses, true);
     }
 
     fn weld(&mut self, node: Node<'a, 'i>, name: String) {
@@ -129,9 +131,9 @@ impl<'a, 'i> File<'a, 'i, '_> {
         self.held(name, bodies, poses, scale == Some(0.0));
     }
 
-    /// Two frames that stay together, or their origins alone, where they may turn.
-    fn held(&mut self, name: String, bodies: [Option<usize>; 2], poses: [Pose; 2], turns: bool) {
-        let coupling = match self.plainly_held(bodies, &poses, turns) {
+    /// Two frames that stay together, or their origins alone, where they `may_turn`.
+    fn held(&mut self, name: String, bodies: [Option<usize>; 2], poses: [Pose; 2], may_turn: bool) {
+        let coupling = match self.plainly_held(bodies, &poses, may_turn) {
             Some(Held::Always(why)) => {
                 let note = format!("The equality `{}` holds always, {why}, and is left out.", shown(&name));
                 return self.robot.notes.push(note);
@@ -141,7 +143,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
                 self.robot.notes.push(note);
                 Coupling::Joints { name, first, second: None, powers: [0.0; 5] }
             }
-            None if turns => Coupling::Points { name, bodies, points: poses.map(|pose| pose.shift) },
+            None if may_turn => Coupling::Points { name, bodies, points: poses.map(|pose| pose.shift) },
             None => Coupling::Frames { name, bodies, poses },
         };
         self.robot.couplings.push(coupling);
@@ -149,10 +151,10 @@ impl<'a, 'i> File<'a, 'i, '_> {
 
     /// Where frames that fall together at rest have one joint of one axis between them, or none, most of their rows
     /// follow from one row, or from nothing.
-    fn plainly_held(&self, bodies: [Option<usize>; 2], poses: &[Pose; 2], turns: bool) -> Option<Held> {
+    fn plainly_held(&self, bodies: [Option<usize>; 2], poses: &[Pose; 2], may_turn: bool) -> Option<Held> {
         let [first, second] = [0, 1].map(|i| at_rest(&self.robot, bodies[i]).then(&poses[i]));
         let is_turned = first.turn.iter().zip(second.turn).any(|(a, b)| !is_near(*a, b));
-        if !is_near(first.shift, second.shift) || is_turned && !turns {
+        if !is_near(first.shift, second.shift) || is_turned && !may_turn {
             return None;
         }
         let between = self.between(bodies);
@@ -168,7 +170,7 @@ impl<'a, 'i> File<'a, 'i, '_> {
         let (from, axis) = (of.point(joint.anchor), turned(&of.turn, joint.axis));
         let along: f64 = (0..3).map(|i| (first.shift[i] - from[i]) * axis[i]).sum::<f64>() / norm(&axis).powi(2);
         let is_on_axis = is_near(first.shift, plus(from, axis.map(|c| along * c)));
-        if turns && joint.kind == Kind::Hinge && is_on_axis {
+        if may_turn && joint.kind == Kind::Hinge && is_on_axis {
             return Some(Held::Always(format!("its point being on the axis of the joint `{}`", shown(&joint.name))));
         }
         Some(Held::By(joint.name.clone()))
