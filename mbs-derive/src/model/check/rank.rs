@@ -3,7 +3,7 @@
 use crate::expr::{Dual, Expr, Function, Node, Residue, Symbol, Tape, Value, sparse};
 
 use crate::model::check::degree::{Line, Problem, seems_beyond};
-use crate::model::check::relation;
+use crate::model::check::relation::Multiples;
 use crate::model::check::velocity;
 use crate::model::lagrangian::{ConstraintKind, Draft};
 use crate::numeric::echelon::Echelon;
@@ -107,10 +107,14 @@ impl VelocityEquations {
         let finite = |rows: &Vec<Vec<f64>>| rows.iter().flatten().all(|x| x.is_finite());
         let states = || lines.iter().map(|line| self.pfaffian(line, n)).filter(finite).collect();
         let states: Vec<_> = if dependent.is_empty() { Vec::new() } else { states() };
+        let multiples = Multiples::of(&states, dependent, &kept);
         let constraints = dependent.chunk_by(|a, b| self.owners[*a].0 == self.owners[*b].0);
+        let mut begin = 0;
         let problem = |rows: &[usize]| {
             let number = self.owners[rows[0]].0;
-            let relation = relation::of(&states, rows, &kept, |row| self.owners[row].0 == number);
+            let places = begin..begin + rows.len();
+            begin = places.end;
+            let relation = multiples.relation(places, |place| self.owners[kept[place]].0 == number);
             Problem::DependentConstraint(number, rows.iter().map(|&row| self.owners[row].1).collect(), relation)
         };
         constraints.map(problem).collect()

@@ -4,6 +4,8 @@
 //! axle the direction that follows is that of the axle: `v.x = 0` is enough for the second one, but not where the axle
 //! points along x.
 
+use std::ops::Range;
+
 /// How all rows of a constraint that others determine follow from these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Relation {
@@ -22,42 +24,54 @@ const MOST_OPERATIONS: usize = 100_000_000;
 /// Multiples are the same up to this.
 const ROUNDING: f64 = 1e-6;
 
-/// Of rows that are `dependent`, all those of one constraint, at some states; `kept` are those that they follow from,
-/// `is_own` tells which of these are of the same constraint.
-pub(in crate::model) fn of(
-    states: &[Vec<Vec<f64>>],
-    dependent: &[usize],
-    kept: &[usize],
-    is_own: impl Fn(usize) -> bool,
-) -> Relation {
-    let n = states.first().and_then(|rows| rows.first()).map_or(0, Vec::len);
-    let width = kept.len() + dependent.len();
-    if n.saturating_mul(kept.len()).saturating_mul(width).saturating_mul(states.len()) > MOST_OPERATIONS {
-        return Relation::Varying;
-    }
-    let Some(first) = states.first() else { return Relation::Varying };
-    let scale = |row: &usize| first[*row].iter().fold(0.0, |size: f64, x| size.max(x.abs()));
-    let scales = kept.iter().chain(dependent).map(scale).map(|size| if size == 0.0 { 1.0 } else { size });
-    let scales: Vec<f64> = scales.collect();
-    let multiples = |rows: &Vec<Vec<f64>>| {
-        let mut matrix = vec![vec![0.0; width]; n];
-        for (place, &row) in kept.iter().chain(dependent).enumerate() {
-            matrix.iter_mut().zip(&rows[row]).for_each(|(entries, x)| entries[place] = x / scales[place]);
+/// What dependent rows are of those that are kept, at some states.
+pub(in crate::model) struct Multiples {
+    /// Of each state, of each kept row its multiples in the dependent ones; `None` where they are not known.
+    states: Option<Vec<Vec<Vec<f64>>>>,
+}
+
+impl Multiples {
+    /// By one elimination a state for all that are `dependent`.
+    pub(in crate::model) fn of(states: &[Vec<Vec<f64>>], dependent: &[usize], kept: &[usize]) -> Self {
+        let unknown = Multiples { states: None };
+        let Some(first) = states.first() else { return unknown };
+        let n = first.first().map_or(0, Vec::len);
+        let width = kept.len() + dependent.len();
+        if n.saturating_mul(kept.len()).saturating_mul(width).saturating_mul(states.len()) > MOST_OPERATIONS {
+            return unknown;
         }
-        solved(matrix, kept.len())
-    };
-    let all: Option<Vec<Vec<Vec<f64>>>> = states.iter().map(multiples).collect();
-    let Some(all) = all else { return Relation::Varying };
-    let size = all.iter().flatten().flatten().fold(1.0, |size: f64, x| size.max(x.abs()));
-    let is_same = |place: usize| {
-        all.iter().all(|here| here[place].iter().zip(&all[0][place]).all(|(a, b)| (a - b).abs() <= ROUNDING * size))
-    };
-    if (0..kept.len()).all(is_same) {
-        Relation::Constant
-    } else if (0..kept.len()).filter(|&place| is_own(kept[place])).all(is_same) {
-        Relation::Varying
-    } else {
-        Relation::Turning
+        let scale = |row: &usize| first[*row].iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let scales = kept.iter().chain(dependent).map(scale).map(|size| if size == 0.0 { 1.0 } else { size });
+        let scales: Vec<f64> = scales.collect();
+        let multiples = |rows: &Vec<Vec<f64>>| {
+            let mut matrix = vec![vec![0.0; width]; n];
+            for (place, &row) in kept.iter().chain(dependent).enumerate() {
+                matrix.iter_mut().zip(&rows[row]).for_each(|(entries, x)| entries[place] = x / scales[place]);
+            }
+            solved(matrix, kept.len())
+        };
+        Multiples { states: states.iter().map(multiples).collect() }
+    }
+
+    /// Of the dependent rows of one constraint, by their places among all; `is_own` tells which of the kept ones, by
+    /// their places, are of the same constraint.
+    pub(in crate::model) fn relation(&self, rows: Range<usize>, is_own: impl Fn(usize) -> bool) -> Relation {
+        let Some(states) = &self.states else { return Relation::Varying };
+        let kept = states[0].len();
+        let entries = states.iter().flatten().flat_map(|multiples| &multiples[rows.clone()]);
+        let size = entries.fold(1.0, |size: f64, x| size.max(x.abs()));
+        let is_same = |place: usize| {
+            let first = &states[0][place][rows.clone()];
+            let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * size;
+            states.iter().all(|here| here[place][rows.clone()].iter().zip(first).all(is_near))
+        };
+        if (0..kept).all(is_same) {
+            Relation::Constant
+        } else if (0..kept).filter(|&place| is_own(place)).all(is_same) {
+            Relation::Varying
+        } else {
+            Relation::Turning
+        }
     }
 }
 
@@ -105,6 +119,17 @@ mod tests {
              `let v = dt(b) - ([0, dt(z), 0]);` and a `pose` whose y axis has that direction at every state; components \
              in world axes are not enough at every state",
         );
+    }
+
+    #[test]
+    fn each_constraint_follows_in_its_own_way() {
+        let found = refusals(
+            "constraint a: dt(x)*cos(theta) = dt(y)*sin(theta); constraint b: dt(x) = dt(z); \
+             constraint c: dt(y)*sin(theta) = dt(z)*cos(theta); constraint d: 2*dt(x) - 2*dt(z) = 0;",
+        );
+        assert!(found.len() == 2, "{found:?}");
+        assert!(found[0].contains("`c`") && found[0].contains("leave it out, if the rows"), "{found:?}");
+        assert!(found[1].contains("`d`") && !found[1].contains("if the rows"), "{found:?}");
     }
 
     #[test]
