@@ -72,7 +72,7 @@ impl Loops for Python {
 
     fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
         let Turns { index, first, end, is_inwards } = turns;
-        let range = format!("range({first}, {end})");
+        let range = if *first == 0 { format!("range({end})") } else { format!("range({first}, {end})") };
         let links = if *is_inwards { format!("reversed({range})") } else { range };
         around(format!("for {index} in {links}:"), &statements, 4, None)
     }

@@ -108,7 +108,7 @@ impl<'t> Reader<'_, 't> {
         Ok((index, if is_inwards { (end..=first).rev().collect() } else { (first..end).collect() }))
     }
 
-    /// `i in range(1, 9):`, or `i in reversed(range(1, 8)):`
+    /// `i in range(9):`, `i in range(1, 9):`, or `i in reversed(range(1, 8)):`
     fn turns_of_python(&mut self) -> Reading<Turns<'t>> {
         let index = self.name()?;
         self.expect("in")?;
@@ -117,9 +117,10 @@ impl<'t> Reader<'_, 't> {
             self.expect("(")?;
         }
         ["range", "("].into_iter().try_for_each(|word| self.expect(word))?;
-        let first = self.integer()?;
-        self.expect(",")?;
-        let end = self.integer()?;
+        let (mut first, mut end) = (0, self.integer()?);
+        if self.takes(",") {
+            (first, end) = (end, self.integer()?);
+        }
         self.expect(")")?;
         if is_inwards {
             self.expect(")")?;
