@@ -286,7 +286,8 @@ mod tests {
                         mechanism A {\n    param m: kg = 1;\n    param t_: s = 0.3 s*m;\n    coord x: m;\n    let a = m*g + stretch[0];\n    \
                         for m in 0..2 { let a = a*m; x = a; }\n    fn f(x, y) = half(x) + m*y;\n    link arm(m, world);\n    \
                         force x += f(arm.end.x, arm.tip) + if m > 0 { a } else { x };\n    output a = a;\n    \
-                        let c = 0.3 kg*g + 2 kg*m*g + 3 kg/g; let d = 2 kg*m/s/s + 1 kg*2 g;\n}\n";
+                        let c = 0.3 kg*g + 2 kg*m*g + 3 kg/g; let d = 2 kg*m/s/s + 1 kg*2 g;\n    \
+                        param s: s = 1; let e = 3 m*s^-1/s + 4 m/s^-1/s + 5 m*s^(-1)/s/s + 6 m*s^-1*s;\n}\n";
 
     fn files() -> Files {
         let sources = Sources::gather("main.mbs", MAIN, |name| match name {
@@ -337,6 +338,11 @@ mod tests {
         check("2 kg*|m/s", "nothing");
         check("m/s/|s", "nothing");
         check("kg*2 |g", "nothing");
+        // The sign of an exponent counts, too.
+        check("3 m*s^-1/|s", "nothing");
+        check("4 m/s^-1/|s", "main.mbs: param s: s = 1;");
+        check("s^(-1)/s/|s", "nothing");
+        check("6 m*s^-1*|s", "main.mbs: param s: s = 1;");
     }
 
     #[test]

@@ -516,23 +516,25 @@ impl Reader<'_> {
             && matches!(self.token(at - 1), "^" | "-" | "(" | "/")
     }
 
-    /// A second unit of the same quantity is a name, the `g` of `0.3 kg*g`; that of `m/s/s` divides again.
+    /// A second unit of the same quantity is a name, the `g` of `0.3 kg*g`; that of `m/s/s` or `m*s^-1/s` divides
+    /// again. As for the parser, the first unit of the quantity counts.
     fn repeats(&self, word: &str) -> bool {
-        let mut behind = self.span(self.at).start;
+        let (mut behind, mut repeats) = (self.span(self.at).start, false);
+        let divides = |place: usize| self.text[..place].ends_with('/');
         for before in self.outline.words.iter().rev().take_while(|before| before.role == Role::Unit) {
             let (name, between) = (&self.text[before.span.clone()], &self.text[before.span.end..behind]);
             let goes_on =
                 matches!(between, "*" | "/") || between.starts_with('^') && !between.contains(char::is_whitespace);
             if !goes_on {
-                return false;
+                break;
             }
             if self.coherent(name) == self.coherent(word) {
-                let divides = |place: usize| self.text[..place].ends_with('/');
-                return !(name == word && divides(self.span(self.at).start) && divides(before.span.start));
+                let is_below = divides(before.span.start) != between.contains('-');
+                repeats = !(name == word && divides(self.span(self.at).start) && is_below);
             }
             behind = before.span.start;
         }
-        false
+        repeats
     }
 
     /// The words before the point that comes before this one: `arm`, `tip` of `arm[i].tip.x`.
