@@ -347,11 +347,20 @@ mod tests {
 
     #[test]
     fn many_names_are_looked_up_in_linear_time() {
-        let names: String = (0..30_000).map(|i| format!("let a{i} = x; ")).collect();
-        let files = Files::of(&Sources::new("a.mbs", &format!("mechanism A {{ coord x: m; {names} }}")));
-        let begun = std::time::Instant::now();
-        assert_eq!(files.in_sight(files.0[0].text.text.len() - 1).len(), 30_001);
-        assert!(begun.elapsed().as_secs() < 10, "{:?}", begun.elapsed());
+        // The least of some times, as other programs run beside.
+        let time = |count: usize| {
+            let names: String = (0..count).map(|i| format!("let a{i} = x; ")).collect();
+            let files = Files::of(&Sources::new("a.mbs", &format!("mechanism A {{ coord x: m; {names} }}")));
+            let once = || {
+                let begun = std::time::Instant::now();
+                assert_eq!(files.in_sight(files.0[0].text.text.len() - 1).len(), count + 1);
+                begun.elapsed()
+            };
+            (0..5).map(|_| once()).min().unwrap().as_secs_f64()
+        };
+        // Four times as many: 4 times as long, or 16 where each is compared with all.
+        let (few, many) = (time(15_000), time(60_000));
+        assert!(many < 8.0 * few, "{few} s, {many} s");
     }
 
     /// Each name in turn: a use that is missed is not declared any more, one too many is an error, too.
