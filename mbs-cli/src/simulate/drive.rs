@@ -25,7 +25,7 @@ use mbs_derive::source::Sources;
 use mbs_derive::variable::{Variable, component_names};
 
 use self::element::Kind;
-use self::table::{Wanted, table};
+use self::table::{Tables, Wanted};
 use super::curve::Curve;
 use crate::equations::Equations;
 use crate::failure::Failure;
@@ -192,7 +192,7 @@ impl Drives<'_> {
 
     /// What gives the inputs and signals of a mechanism that was declared [so](Self::declared).
     pub(crate) fn resolved(&self, derivation: &Derivation, span: (f64, f64)) -> Result<Driven, Failure> {
-        let mut driven = Driven::default();
+        let (mut driven, mut tables) = (Driven::default(), Tables::default());
         let [input, signal] = self.options;
         for drive in self.inputs {
             let known = element::components(&derivation.inputs, &drive.name);
@@ -210,7 +210,7 @@ impl Drives<'_> {
                 let given = match &drive.source {
                     Source::Table(path) => {
                         let wanted = quantity(&derivation.inputs, index, &name);
-                        Given::Curve(table(path, &wanted, span, Curve::broken_line)?)
+                        Given::Curve(tables.curve(path, &wanted, span, Curve::broken_line)?)
                     }
                     Source::Formula(_) => Given::Function(formula(input, derivation, index, &name)?),
                 };
@@ -228,7 +228,7 @@ impl Drives<'_> {
                     return Err(Failure::new(format_args!("{signal} {name} is given twice")));
                 }
                 let wanted = quantity(&derivation.prescribed, index, &name);
-                let curve = table(path, &wanted, span, Curve::spline)?;
+                let curve = tables.curve(path, &wanted, span, Curve::spline)?;
                 if let Some([[least, most], [lowest, highest]]) = curve.overshoot() {
                     driven.doubts.push(format!(
                         "{signal} {name}: the values of the table are from {least} to {most}, the cubic spline through them \

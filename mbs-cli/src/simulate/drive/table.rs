@@ -1,7 +1,9 @@
 //! Tables of times and values, as files of CSV.
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use mbs_derive::model::Unit;
 
@@ -69,48 +71,91 @@ fn heading<'a>(cell: &'a str, wanted: &'a str) -> (&'a str, Option<&'a str>) {
     }
 }
 
-/// A table whose first column is the time; the values are in the column of this name, without a header in the second.
-pub(super) fn table(
-    path: &Path,
-    wanted: &Wanted<'_>,
-    (start, end): (f64, f64),
-    curve: fn(Vec<f64>, Vec<f64>) -> Curve,
-) -> Result<Curve, Failure> {
+/// The tables that were read, each once, however many columns are wanted.
+#[derive(Default)]
+pub(super) struct Tables(BTreeMap<PathBuf, Vec<csv::StringRecord>>);
+
+impl Tables {
+    /// A table whose first column is the time; the values are in the column of this name, without a header in the
+    /// second.
+    pub(super) fn curve(
+        &mut self,
+        path: &Path,
+        wanted: &Wanted<'_>,
+        (start, end): (f64, f64),
+        curve: fn(Vec<f64>, Vec<f64>) -> Curve,
+    ) -> Result<Curve, Failure> {
+        let refused = |reason: String| Failure::new(format_args!("{}: {reason}", path.display()));
+        let (times, values) = columns(self.records(path)?, wanted).map_err(refused)?;
+        let curve = curve(times, values);
+        let (first, last) = curve.range();
+        if start < first || end > last {
+            return Err(refused(format!(
+                "it goes from t = {first:?} to {last:?}, the motion from {start:?} to {end:?}"
+            )));
+        }
+        Ok(curve)
+    }
+
+    fn records(&mut self, path: &Path) -> Result<&[csv::StringRecord], Failure> {
+        match self.0.entry(path.to_path_buf()) {
+            Entry::Occupied(entry) => Ok(entry.into_mut()),
+            Entry::Vacant(entry) => Ok(entry.insert(read(path)?)),
+        }
+    }
+}
+
+fn read(path: &Path) -> Result<Vec<csv::StringRecord>, Failure> {
     let shown = path.display();
-    let refused = |reason: String| Failure::new(format_args!("{shown}: {reason}"));
     let bytes = fs::read(path).map_err(|error| Failure::new(format_args!("cannot read {shown}: {error}")))?;
     let mut reader =
         csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).trim(csv::Trim::All).from_reader(&*bytes);
+    let records: Result<_, csv::Error> = reader.records().collect();
+    records.map_err(|error| Failure::new(format_args!("{shown}: {error}")))
+}
+
+/// Times and values.
+fn columns(records: &[csv::StringRecord], wanted: &Wanted<'_>) -> Result<(Vec<f64>, Vec<f64>), String> {
     let (mut times, mut values, mut columns) = (Vec::new(), Vec::new(), Columns::FIRST_TWO);
-    for (number, record) in reader.records().enumerate() {
-        let record = record.map_err(|error| refused(error.to_string()))?;
+    for (number, record) in records.iter().enumerate() {
         let line = record.position().map_or(0, |position| position.line());
-        let cell = |i: usize| -> Result<f64, Failure> {
-            let text = record.get(i).ok_or_else(|| refused(format!("line {line} has no column {}", i + 1)))?;
+        let cell = |i: usize| -> Result<f64, String> {
+            let text = record.get(i).ok_or_else(|| format!("line {line} has no column {}", i + 1))?;
             let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-            number.ok_or_else(|| refused(format!("line {line}, column {}: `{text}` is not a finite number", i + 1)))
+            number.ok_or_else(|| format!("line {line}, column {}: `{text}` is not a finite number", i + 1))
         };
         if number == 0 && record.iter().any(|cell| cell.parse::<f64>().is_err()) {
-            columns = Columns::of(&record, wanted).map_err(refused)?;
+            columns = Columns::of(record, wanted)?;
             continue;
         }
         let [time, value] = [columns.scales[0] * cell(0)?, columns.scales[1] * cell(columns.values)?];
-        if times.last().is_some_and(|last| *last >= time) {
-            return Err(refused(format!(
-                "line {line}: times must increase, {time:?} comes after {:?}",
-                times[times.len() - 1]
-            )));
+        if let Some(last) = times.last().filter(|last| **last >= time) {
+            return Err(format!("line {line}: times must increase, {time:?} comes after {last:?}"));
         }
         times.push(time);
         values.push(value);
     }
     if times.len() < 2 {
-        return Err(refused("a table has two rows at least".to_string()));
+        return Err("a table has two rows at least".to_string());
     }
-    let curve = curve(times, values);
-    let (first, last) = curve.range();
-    if start < first || end > last {
-        return Err(refused(format!("it goes from t = {first:?} to {last:?}, the motion from {start:?} to {end:?}")));
+    Ok((times, values))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_is_read_once_for_all_its_columns() {
+        let path = std::env::temp_dir().join(format!("mbs_table_{}.csv", std::process::id()));
+        fs::write(&path, "t, a [mm], b\n0, 1000, 3\n1, 2000, 4\n").unwrap();
+        let mut tables = Tables::default();
+        let mut at_half = |name: &str| {
+            let curve = tables.curve(&path, &Wanted { name, unit: "m" }, (0.0, 1.0), Curve::broken_line);
+            curve.map(|curve| curve.at(0.5)[0]).ok()
+        };
+        assert_eq!(at_half("a"), Some(1.5));
+        fs::remove_file(&path).unwrap();
+        assert_eq!(at_half("b"), Some(3.5));
     }
-    Ok(curve)
 }
