@@ -8,7 +8,7 @@ use mbs_runtime::RedundantRows;
 use serde_json::{Map, Value, json};
 
 use crate::cache::Cache;
-use crate::check::freedom::warn_of_lost_rank;
+use crate::check::freedom::LostRank;
 use crate::equations::{Equations, Redundant, Solver};
 use crate::failure::Failure;
 use crate::simulate::assembly;
@@ -47,8 +47,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if arguments.redundant.is_some() && derivation.constraints.is_empty() {
         output::warn(format_args!("{} has no constraints, --redundant does nothing", derivation.name));
     }
-    let evaluation = |point: &Point, place: &str| {
-        warn_of_lost_rank(&derivation, point, place)?;
+    let mut ranks = LostRank::of(&derivation);
+    let mut evaluation = |point: &Point, place: &str| {
+        ranks.warn(point, place)?;
         let all = evaluation(&derivation, point, Moving::of(&derivation, point, arguments.redundant)?);
         Ok(chosen(&derivation, point, all, &arguments.only, place))
     };

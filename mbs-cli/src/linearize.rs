@@ -17,7 +17,7 @@ use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
 
 use crate::cache::Cache;
-use crate::check::freedom::warn_of_lost_rank;
+use crate::check::freedom::LostRank;
 use crate::failure::Failure;
 use crate::simulate::positive;
 use crate::state::{self, Point, Request};
@@ -66,7 +66,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         let free = numbers(&arguments.trim, &trim::names(&derivation), "quantities that can be trimmed", &derivation)?;
         trim::trim(&derivation, &mut point, &free)?;
     }
-    warn_of_lost_rank(&derivation, &point, "the state")?;
+    LostRank::of(&derivation).warn(&point, "the state")?;
     let mut system = system::linearize(&derivation, &point, &independent)?;
     if let Some(time) = arguments.sample_time {
         system = system.sampled(time)?;

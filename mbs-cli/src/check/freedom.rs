@@ -31,7 +31,7 @@ impl Freedom {
     /// Counted, and tried near the origin.
     pub(crate) fn of(derivation: &Derivation) -> Result<Self, Failure> {
         let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
-        let rank = if rows == 0 { Some(0) } else { rank(derivation)? };
+        let rank = if rows == 0 { Some(0) } else { rank(derivation, &origin(derivation))? };
         Ok(Freedom { coordinates, rows, rank })
     }
 
@@ -62,36 +62,65 @@ impl Freedom {
 /// Beyond this many operations the rank at a state is not looked at.
 const MOST_OPERATIONS: usize = 100_000_000;
 
-/// Warns where fewer rows of the constraints are independent at a state than `mbs check` counts: the mechanism has more
-/// degrees of freedom there, or a row is missing.
-pub(crate) fn warn_of_lost_rank(derivation: &Derivation, point: &Point, place: &str) -> Result<(), Failure> {
-    let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
-    if rows == 0 || coordinates.saturating_mul(rows).saturating_mul(rows) > MOST_OPERATIONS {
-        return Ok(());
-    }
-    let equations = Equations::new(derivation, point)?;
-    let mut dependent = Vec::new();
-    let mut projector = equations.projector(RedundantRows::LeaveOut);
-    let found = projector.rank(&equations, point.state.t, &point.state.q, |row| dependent.push(row));
-    // What is not finite there is reported as such.
-    let Ok(here) = found else { return Ok(()) };
-    let elsewhere = if here < rows { rank(derivation)?.unwrap_or(here) } else { here };
-    if here < elsewhere {
-        let names: Vec<String> = dependent.iter().map(|&row| format!("`{}`", derivation.constraints[row])).collect();
-        let depend = if names.len() == 1 { "depends" } else { "depend" };
-        let free = plural(coordinates - here, "degree of freedom", "degrees of freedom");
-        output::warn(format_args!(
-            "at {place} the rank of the constraints is {here}, at other states {elsewhere}: {} {depend} on other rows there: \
-             {free} instead of {}; where the mechanism has no more there, a row is missing, see `mbs explain MBS1006`",
-            abridged(&names),
-            coordinates - elsewhere
-        ));
-    }
-    Ok(())
+/// Of a mechanism at several states: where fewer rows of the constraints are independent than elsewhere, it has more
+/// degrees of freedom, or a row is missing.
+pub(crate) struct LostRank<'d> {
+    derivation: &'d Derivation,
+    /// With these parameters, the rank at other states.
+    elsewhere: Option<(Vec<f64>, usize)>,
 }
 
-/// The least rank of the constraints at the states that guesses of several sizes lead to.
-fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
+impl<'d> LostRank<'d> {
+    pub(crate) fn of(derivation: &'d Derivation) -> Self {
+        LostRank { derivation, elsewhere: None }
+    }
+
+    /// Warns of a state where rank is lost.
+    pub(crate) fn warn(&mut self, point: &Point, place: &str) -> Result<(), Failure> {
+        let derivation = self.derivation;
+        let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
+        if rows == 0 || coordinates.saturating_mul(rows).saturating_mul(rows) > MOST_OPERATIONS {
+            return Ok(());
+        }
+        let equations = Equations::new(derivation, point)?;
+        let mut dependent = Vec::new();
+        let mut projector = equations.projector(RedundantRows::LeaveOut);
+        let found = projector.rank(&equations, point.state.t, &point.state.q, |row| dependent.push(row));
+        // What is not finite there is reported as such.
+        let Ok(here) = found else { return Ok(()) };
+        let elsewhere = if here < rows { self.elsewhere(point, here)? } else { here };
+        if here < elsewhere {
+            let names: Vec<String> =
+                dependent.iter().map(|&row| format!("`{}`", derivation.constraints[row])).collect();
+            let depend = if names.len() == 1 { "depends" } else { "depend" };
+            let free = plural(coordinates - here, "degree of freedom", "degrees of freedom");
+            output::warn(format_args!(
+                "at {place} the rank of the constraints is {here}, at other states {elsewhere}: {} {depend} on other rows \
+                 there: {free} instead of {}; where the mechanism has no more there, a row is missing, see `mbs explain \
+                 MBS1006`",
+                abridged(&names),
+                coordinates - elsewhere
+            ));
+        }
+        Ok(())
+    }
+
+    /// The rank at other states than this one, with its parameters. Time and signals are those of the first state with
+    /// them, as the rank takes too long to be found for each state of a motion. Where none is found it is this one's.
+    fn elsewhere(&mut self, point: &Point, here: usize) -> Result<usize, Failure> {
+        if let Some((parameters, rank)) = &self.elsewhere
+            && *parameters == point.parameters
+        {
+            return Ok(*rank);
+        }
+        let found = rank(self.derivation, point)?.unwrap_or(here);
+        self.elsewhere = Some((point.parameters.clone(), found));
+        Ok(found)
+    }
+}
+
+/// The origin at rest, at t = 0, with default parameters.
+fn origin(derivation: &Derivation) -> Point {
     let coordinates = derivation.dof();
     let defaults = derivation.parameters.iter().flat_map(|p| &p.defaults).copied().map(Number::to_f64);
     let state = State {
@@ -102,20 +131,26 @@ fn rank(derivation: &Derivation) -> Result<Option<usize>, Failure> {
         prescribed: vec![[0.0; 3]; derivation.prescribed.iter().map(|signal| signal.count()).sum()],
         t: 0.0,
     };
-    let equations =
-        Equations::new(derivation, &Point { state, accelerations_are_given: false, parameters: defaults.collect() })?;
+    Point { state, accelerations_are_given: false, parameters: defaults.collect() }
+}
+
+/// The least rank of the constraints at the states that guesses of several sizes lead to, with the parameters, time and
+/// signals of a point.
+fn rank(derivation: &Derivation, point: &Point) -> Result<Option<usize>, Failure> {
+    let (equations, t) = (Equations::new(derivation, point)?, point.state.t);
     let mut projector = equations.projector(RedundantRows::LeaveOut);
     let is_plain = derivation.coordinates.iter().flat_map(|v| vec![matches!(v.unit.as_str(), "1" | "rad"); v.count()]);
     let is_plain: Vec<bool> = is_plain.collect();
     let guesses = SIZES.iter().flat_map(|size| (0..GUESSES).map(move |guess| (size, guess)));
     let ranks = guesses.filter_map(|(size, guess)| {
         let mut motion = equations.start();
+        motion.qd.fill(0.0);
         // Nothing special about them.
         for (i, q) in motion.q.iter_mut().enumerate() {
             *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { *size };
         }
-        projector.project(&equations, 0.0, &mut motion).ok()?;
-        projector.rank(&equations, 0.0, &motion.q, |_| ()).ok()
+        projector.project(&equations, t, &mut motion).ok()?;
+        projector.rank(&equations, t, &motion.q, |_| ()).ok()
     });
     Ok(ranks.min())
 }

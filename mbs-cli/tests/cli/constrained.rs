@@ -366,6 +366,17 @@ fn a_state_at_which_rows_are_missing_is_reported() {
         assert_eq!((there.code, there.stderr.as_str()), (0, warning), "{command}");
         workshop.good(&[command, "slides.mbs", "--state", r#"{"yaw": 0.3}"#]);
     }
+    // Each state of an array is looked at.
+    let states = r#"[{"yaw": 0}, {"yaw": 0.3}, {"yaw": 0}]"#;
+    let each = workshop.mbs(&["eval", "slides.mbs", "--state", states]);
+    let expected = [0, 2].map(|i| warning.replace("at the state", &format!("at state {i}"))).concat();
+    assert_eq!((each.code, each.stderr), (0, expected));
+    // What parameters make of a row is the same at other states.
+    let scaled = slides.replace("dt(x) = 0", "k*dt(x) = 0").replace("param m", "param k: 1 = 1; param m");
+    workshop.write("scaled.mbs", scaled);
+    for k in [0, 1] {
+        workshop.good(&["eval", "scaled.mbs", "--state", &format!(r#"{{"yaw": 0.3, "params": {{"k": {k}}}}}"#)]);
+    }
     // Rows that depend on each other at every state on the constraints are none that are missing.
     workshop.good(&[
         "eval",
