@@ -95,9 +95,9 @@ impl<'d> LostRank<'d> {
             let depend = if names.len() == 1 { "depends" } else { "depend" };
             let free = plural(coordinates - here, "degree of freedom", "degrees of freedom");
             output::warn(format_args!(
-                "at {place} the rank of the constraints is {here}, at other states {elsewhere}: {} {depend} on other rows \
-                 there: {free} instead of {}; where the mechanism has no more there, a row is missing, see `mbs explain \
-                 MBS1006`",
+                "at {place} the rank of the constraints is {here}, at other states {elsewhere}, as {} {depend} on other \
+                 rows there, which leaves {free} instead of {}; if the mechanism does not really gain a freedom there, a \
+                 row is missing: `mbs explain MBS1006`",
                 abridged(&names),
                 coordinates - elsewhere
             ));

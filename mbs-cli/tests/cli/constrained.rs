@@ -358,9 +358,9 @@ fn a_state_at_which_rows_are_missing_is_reported() {
         let axle = [cos(yaw), sin(yaw), 0];
         constraint blade: dt([x, y, 0]).dot(axle) = 0; constraint along: dt(x) = 0; }";
     workshop.write("slides.mbs", slides);
-    let warning = "warning: at the state the rank of the constraints is 1, at other states 2: `along` depends on other \
-                   rows there: 2 degrees of freedom instead of 1; where the mechanism has no more there, a row is \
-                   missing, see `mbs explain MBS1006`\n";
+    let warning = "warning: at the state the rank of the constraints is 1, at other states 2, as `along` depends on other \
+                   rows there, which leaves 2 degrees of freedom instead of 1; if the mechanism does not really gain a \
+                   freedom there, a row is missing: `mbs explain MBS1006`\n";
     for command in ["eval", "linearize"] {
         let there = workshop.mbs(&[command, "slides.mbs", "--state", r#"{"yaw": 0}"#]);
         assert_eq!((there.code, there.stderr.as_str()), (0, warning), "{command}");
