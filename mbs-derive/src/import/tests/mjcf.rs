@@ -1,7 +1,6 @@
 //! Numbers are those of MuJoCo 4.0, `mj_fullM` and `qfrc_bias − qfrc_spring`.
 
-use super::{driven, floating, moves, near, refused, text, values};
-use crate::source::Sources;
+use super::{Sources, driven, floating, moves, near, refused, text, values};
 
 const INERTIAL: &str = "<inertial pos='0.1 0.2 0.3' mass='1.3' diaginertia='0.02 0.03 0.04'/>";
 
