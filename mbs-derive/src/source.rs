@@ -137,7 +137,7 @@ impl Sources {
     /// let sources = Sources::gather("a.mbs", import, |_| Ok(b"const g = 9;".to_vec()));
     /// let other = sources.with_text(&format!("{import} mechanism A {{ coord x: m; }}"));
     /// assert_eq!(other.names().collect::<Vec<_>>(), ["a.mbs", "g.mbs"]);
-    /// assert_eq!((other.imported(0, "g.mbs"), other.file(1).start), (Some(1), 46));
+    /// assert_eq!((other.imported(0, "g.mbs"), other.file(1).start), (Some(1), 44));
     /// ```
     #[must_use]
     pub fn with_text(&self, text: &str) -> Self {
