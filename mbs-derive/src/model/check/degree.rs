@@ -389,8 +389,9 @@ fn changes_at_rest(row: Expr<'_>, n: usize, lines: &[Line]) -> bool {
     let tape = Tape::new(&[moving, resting].concat());
     let differs = |(moving, resting): (&Dual<f64>, &Dual<f64>)| {
         let size = moving.value.abs().max(resting.value.abs());
-        // What is no number differs from all.
-        !((moving.value - resting.value).abs() <= 1e-6 * size)
+        let difference = (moving.value - resting.value).abs();
+        // NaN differs from everything.
+        difference.is_nan() || difference > 1e-6 * size
     };
     let states = lines.iter().map(|line| tape.run(line.point(0.0)));
     let mut states = states.filter(|values| values[..n].iter().all(|value| value.value.is_finite())).peekable();
