@@ -199,7 +199,7 @@ fn loops_of_scripts_are_read_again_turn_by_turn() {
     ];
     let of_python = [
         ("reversed(", "("),
-        ("range(39)", "range(38)"),
+        (", 39)", ", 38)"),
         ("[i]", "[i - 1]"),
         ("[i - 1]", "[i]"),
         (" = sines", " = cosines"),
