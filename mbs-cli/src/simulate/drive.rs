@@ -203,13 +203,15 @@ impl Drives<'_> {
                 let many = format!("the array has {} elements, the formula more", known.len());
                 return Err(Failure::new(format_args!("{input} {}: {many}", drive.given)));
             }
+            let is_one_of_several = known.len() > 1;
             for (index, name) in known {
                 if driven.inputs.iter().any(|(other, _)| *other == index) {
                     return Err(Failure::new(format_args!("{input} {name} is given twice")));
                 }
                 let given = match &drive.source {
                     Source::Table(path) => {
-                        let wanted = quantity(&derivation.inputs, index, &name);
+                        let unit = unit(&derivation.inputs, index);
+                        let wanted = Wanted { name: &name, unit, is_one_of_several };
                         Given::Curve(tables.curve(path, &wanted, span, Curve::broken_line)?)
                     }
                     Source::Formula(_) => Given::Function(formula(input, derivation, index, &name)?),
@@ -223,11 +225,13 @@ impl Drives<'_> {
             let known = known.ok_or_else(|| {
                 unknown(signal, "prescribed signal", &drive.given, &component_names(&derivation.prescribed))
             })?;
+            let is_one_of_several = known.len() > 1;
             for (index, name) in known {
                 if driven.signals.iter().any(|(other, _)| *other == index) {
                     return Err(Failure::new(format_args!("{signal} {name} is given twice")));
                 }
-                let wanted = quantity(&derivation.prescribed, index, &name);
+                let unit = unit(&derivation.prescribed, index);
+                let wanted = Wanted { name: &name, unit, is_one_of_several };
                 let curve = tables.curve(path, &wanted, span, Curve::spline)?;
                 if let Some([[least, most], [lowest, highest]]) = curve.overshoot() {
                     driven.doubts.push(format!(
@@ -327,7 +331,7 @@ fn formula(option: &str, derivation: &Derivation, index: usize, name: &str) -> R
     let number = derivation.functions.iter().position(is_value).ok_or_else(missing)?;
     let function = &derivation.functions[number];
     let FunctionKind::Output(output) = function.kind else { return Err(refused("there is no value".to_string())) };
-    let unit = quantity(&derivation.inputs, index, name).unit;
+    let unit = unit(&derivation.inputs, index);
     if function.program.results.len() != 1 {
         return Err(refused("an input is one number".to_string()));
     }
@@ -410,10 +414,10 @@ fn unknown(option: &str, what: &str, name: &str, known: &[String]) -> Failure {
     Failure::new(format_args!("{option}: there is no {what} `{name}`{hint}"))
 }
 
-/// The component with this number of some variables.
-fn quantity<'a>(variables: &'a [Variable], index: usize, name: &'a str) -> Wanted<'a> {
+/// The unit of the component with this number.
+fn unit(variables: &[Variable], index: usize) -> &str {
     let mut units = variables.iter().flat_map(|v| std::iter::repeat_n(v.unit.as_str(), v.count()));
-    Wanted { name, unit: units.nth(index).unwrap_or("1") }
+    units.nth(index).unwrap_or("1")
 }
 
 #[cfg(test)]

@@ -377,7 +377,7 @@ fn a_state_at_which_rows_are_missing_is_reported() {
     for k in [0, 1] {
         workshop.good(&["eval", "scaled.mbs", "--state", &format!(r#"{{"yaw": 0.3, "params": {{"k": {k}}}}}"#)]);
     }
-    // Rows that depend on each other at every state on the constraints are none that are missing.
+    // No row is missing where rows depend on each other at every state on the constraints.
     workshop.good(&[
         "eval",
         "parallel.mbs",

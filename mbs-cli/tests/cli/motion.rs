@@ -172,6 +172,12 @@ fn elements_of_arrays_are_given_one_by_one_or_together() {
     bad(&["--input", "f=[1, 2]", "--input", "f[1]=2"], "--input f_1 is given twice");
     bad(&["--input", "f=@both.csv", "--input", "f[1]=2"], "--input f_1 is given twice");
     bad(&["--signal", "road_2=1"], "there is no prescribed signal `road_2`");
+    // Without a header all elements would have the second column.
+    workshop.write("bare.csv", "0,20,0.5\n3,20,0.5\n");
+    let header = "bare.csv: a table for a whole array needs a header, with a column for `f_0`: `t, f_0, …`";
+    bad(&["--input", "f=@bare.csv", "--signal", "road=[0, 0]"], header);
+    bad(&["--signal", "road=@bare.csv"], "needs a header, with a column for `road_0`");
+    workshop.good(&[&simulate[..], &["--input", "f[1]=@bare.csv", "--signal", "road=[0, 0]"]].concat());
 }
 
 #[test]

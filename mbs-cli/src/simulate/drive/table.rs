@@ -15,6 +15,8 @@ use crate::failure::Failure;
 pub(super) struct Wanted<'a> {
     pub(super) name: &'a str,
     pub(super) unit: &'a str,
+    /// Whether the table gives other elements of an array, too: then a header has to tell its columns apart.
+    pub(super) is_one_of_several: bool,
 }
 
 /// The columns of a table that count: times, and values.
@@ -128,6 +130,12 @@ fn columns(records: &[csv::StringRecord], wanted: &Wanted<'_>) -> Result<(Vec<f6
             columns = Columns::of(record, wanted)?;
             continue;
         }
+        if number == 0 && wanted.is_one_of_several {
+            let name = wanted.name;
+            return Err(format!(
+                "a table for a whole array needs a header, with a column for `{name}`: `t, {name}, …`"
+            ));
+        }
         let [time, value] = [columns.scales[0] * cell(0)?, columns.scales[1] * cell(columns.values)?];
         if let Some(last) = times.last().filter(|last| **last >= time) {
             return Err(format!("line {line}: times must increase, {time:?} comes after {last:?}"));
@@ -151,7 +159,12 @@ mod tests {
         fs::write(&path, "t, a [mm], b\n0, 1000, 3\n1, 2000, 4\n").unwrap();
         let mut tables = Tables::default();
         let mut at_half = |name: &str| {
-            let curve = tables.curve(&path, &Wanted { name, unit: "m" }, (0.0, 1.0), Curve::broken_line);
+            let curve = tables.curve(
+                &path,
+                &Wanted { name, unit: "m", is_one_of_several: true },
+                (0.0, 1.0),
+                Curve::broken_line,
+            );
             curve.map(|curve| curve.at(0.5)[0]).ok()
         };
         assert_eq!(at_half("a"), Some(1.5));
