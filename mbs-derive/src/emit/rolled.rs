@@ -25,7 +25,7 @@ mod tests;
 use super::body::Body;
 use super::expression::Tree;
 use group::Groups;
-pub(super) use lines::{Loops, lines, wrapped};
+pub(super) use lines::{Loops, around, head_of_c, lines, wrapped};
 use printer::Printer;
 use run::FEW;
 

@@ -1,6 +1,6 @@
 //! What loops over the links of a long chain need in C.
 
-use super::super::rolled::{Loops, Turns, wrapped};
+use super::super::rolled::{Loops, Turns, around, head_of_c, wrapped};
 use super::WIDEST;
 use super::syntax::{C, constant};
 
@@ -26,13 +26,7 @@ impl Loops for C<'_, '_> {
     }
 
     fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
-        let Turns { index, first, end, is_inwards } = turns;
-        let head = match is_inwards {
-            false => format!("for (int {index} = {first}; {index} < {end}; {index} += 1) {{"),
-            true => format!("for (int {index} = {}; {index} >= {first}; {index} -= 1) {{", end - 1),
-        };
-        let inside = statements.into_iter().map(|line| format!("    {line}"));
-        std::iter::once(head).chain(inside).chain(["}".to_string()]).collect()
+        around(head_of_c("int", turns), &statements, 4, Some("}"))
     }
 }
 

@@ -1,7 +1,7 @@
 //! The lines of a body in loops, in any language that can write them.
 
 use super::super::expression::Tree;
-use super::super::walk::{Syntax, Writer};
+use super::super::walk::{Syntax, Writer, indented};
 use super::{Step, Turns, rolled};
 
 /// How a language writes what loops need beside statements.
@@ -22,8 +22,11 @@ pub(in crate::emit) trait Loops: Syntax {
     fn keep(&self, component: &str, value: &str) -> String {
         format!("{component} = {value};")
     }
-    /// A table of numbers.
-    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String>;
+    /// A table of numbers: a list of constants, where they have to be nothing else.
+    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
+        let numbers: Vec<String> = numbers.iter().map(|&number| self.constant(number)).collect();
+        self.list(name, &numbers)
+    }
     /// A list of values.
     fn list(&self, name: &str, values: &[String]) -> Vec<String>;
     /// A component of a table, as a value.
@@ -71,6 +74,20 @@ fn of_step(step: &Step, writer: &Writer<'_, '_>, loops: &dyn Loops) -> Vec<Strin
             loops.repeated(turns, steps.iter().flat_map(|step| of_step(step, writer, loops)).collect())
         }
     }
+}
+
+/// The head of a loop, as C writes it, with an index that is declared by this word.
+pub(in crate::emit) fn head_of_c(declared: &str, turns: &Turns) -> String {
+    let Turns { index, first, end, is_inwards } = turns;
+    match is_inwards {
+        false => format!("for ({declared} {index} = {first}; {index} < {end}; {index} += 1) {{"),
+        true => format!("for ({declared} {index} = {}; {index} >= {first}; {index} -= 1) {{", end - 1),
+    }
+}
+
+/// A loop: what it begins with, its statements, and what it ends with.
+pub(in crate::emit) fn around(head: String, statements: &[String], by: usize, end: Option<&str>) -> Vec<String> {
+    std::iter::once(head).chain(indented(statements, by)).chain(end.map(String::from)).collect()
 }
 
 /// A list with several values in a line, a comma behind each, and what is before and behind it in lines of their own.

@@ -1,26 +1,13 @@
 //! What loops over the links of a long chain need in languages that are not compiled.
 
-use super::super::rolled::{Loops, Turns, wrapped};
-use super::super::walk::{Syntax, indented};
+use super::super::rolled::{Loops, Turns, around, head_of_c, wrapped};
+use super::super::walk::Syntax;
 use super::WIDEST;
 use super::js::Js;
 use super::matlab::Matlab;
 use super::python::Python;
 
-/// A loop: what it begins with, its statements, and what it ends with.
-fn around(head: String, statements: &[String], by: usize, end: Option<&str>) -> Vec<String> {
-    std::iter::once(head).chain(indented(statements, by)).chain(end.map(String::from)).collect()
-}
-
-fn constants(syntax: &dyn Syntax, numbers: &[f64]) -> Vec<String> {
-    numbers.iter().map(|&number| syntax.constant(number)).collect()
-}
-
 impl Loops for Js {
-    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
-        self.list(name, &constants(self, numbers))
-    }
-
     fn list(&self, name: &str, values: &[String]) -> Vec<String> {
         wrapped(&format!("const {name} = ["), values, "];", WIDEST)
     }
@@ -34,12 +21,7 @@ impl Loops for Js {
     }
 
     fn repeated(&self, turns: &Turns, statements: Vec<String>) -> Vec<String> {
-        let Turns { index, first, end, is_inwards } = turns;
-        let head = match is_inwards {
-            false => format!("for (let {index} = {first}; {index} < {end}; {index} += 1) {{"),
-            true => format!("for (let {index} = {}; {index} >= {first}; {index} -= 1) {{", end - 1),
-        };
-        around(head, &statements, 2, Some("}"))
+        around(head_of_c("let", turns), &statements, 2, Some("}"))
     }
 }
 
@@ -51,10 +33,6 @@ impl Loops for Python {
 
     fn keep(&self, component: &str, value: &str) -> String {
         self.bind(component, value)
-    }
-
-    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
-        self.list(name, &constants(self, numbers))
     }
 
     fn list(&self, name: &str, values: &[String]) -> Vec<String> {
@@ -89,10 +67,6 @@ impl Loops for Matlab {
 
     fn argument(&self, name: &str, place: &str) -> String {
         format!("{name}({place})")
-    }
-
-    fn table(&self, name: &str, numbers: &[f64]) -> Vec<String> {
-        self.list(name, &constants(self, numbers))
     }
 
     fn list(&self, name: &str, values: &[String]) -> Vec<String> {

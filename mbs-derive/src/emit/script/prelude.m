@@ -84,7 +84,7 @@ end
 
 
 function [sines, cosines] = mbs_sin_cos_all(angles)
-% Those of several angles.
+% Sines and cosines of several angles.
 sines = angles;
 cosines = angles;
 for i = 1:numel(angles)

@@ -43,7 +43,7 @@ function mbs_sin_cos(x) {
 }
 
 
-/** Those of several angles. */
+/** Sines and cosines of several angles. */
 function mbs_sin_cos_all(angles) {
   const sines = new Float64Array(angles.length);
   const cosines = new Float64Array(angles.length);

@@ -74,7 +74,7 @@ def mbs_sin_cos(x):
 
 
 def mbs_sin_cos_all(angles):
-    """Those of several angles, each a number or a batch of them."""
+    """Sines and cosines of several angles, each a number or a batch of them."""
     return mbs_sin_cos(np.array(np.broadcast_arrays(*angles)))
 
 
