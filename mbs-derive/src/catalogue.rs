@@ -207,12 +207,8 @@ catalogue! {
             name: "linearize",
             arguments: &[Q, Qd, U],
             roots: |e, _| {
-                let [q, qd, u] = &e.linearization.state;
-                let by = |name, inputs: usize| (name, Shape::Matrix(e.symbols.q.len(), inputs));
-                let parts = [by("q", e.symbols.q.len()), by("qd", e.symbols.qd.len()), by("u", e.symbols.u.len())];
                 let is_asked_for = !e.left_out.linearization;
-                let values = is_asked_for.then(|| [q.concat(), qd.concat(), u.concat()].concat())?;
-                Roots::parts(parts, values)?.solved_by(&e.forward_dynamics)
+                is_asked_for.then(|| Roots::linearization(e, &e.derivatives))?
             },
             doc: |_| "Derivatives `∂q̈/∂q`, `∂q̈/∂q̇`, `∂q̈/∂u` of forward dynamics.".to_string(),
             notes: |about| about.where_singular(),
@@ -225,7 +221,7 @@ catalogue! {
             arguments: &[Q, Qd, U],
             roots: |e, _| {
                 let shape = Shape::Matrix(e.symbols.q.len(), e.symbols.parameters.len());
-                let roots = Roots::of(shape, e.linearization.parameters.concat())?;
+                let roots = Roots::of(shape, e.derivatives.linearization.parameters.concat())?;
                 let is_asked_for = !e.left_out.linearization && !e.symbols.parameters.is_empty();
                 is_asked_for.then(|| roots.solved_by(&e.forward_dynamics))?
             },
@@ -242,10 +238,8 @@ catalogue! {
             name: "inverse_dynamics_jacobian",
             arguments: &[Q, Qd, Qdd],
             roots: |e, _| {
-                let (jacobian, square) = (&e.inverse_dynamics_jacobian, Shape::Matrix(e.symbols.q.len(), e.symbols.q.len()));
                 let is_asked_for = !e.left_out.inverse_dynamics_jacobian;
-                let values = is_asked_for.then(|| [jacobian.q.concat(), jacobian.qd.concat()].concat())?;
-                Roots::parts([("q", square), ("qd", square)], values)
+                is_asked_for.then(|| Roots::inverse_dynamics_jacobian(e, &e.derivatives))?
             },
             doc: |_| "Derivatives `∂τ/∂q`, `∂τ/∂q̇` of inverse dynamics `τ`; `∂τ/∂q̈` is `M`.".to_string(),
             notes: |about| about.forces("Rows are forces"),

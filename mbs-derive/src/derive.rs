@@ -13,7 +13,7 @@
 //!   by sweeps over their tree (`docs/structured.md`);
 //! - `solve`: forward dynamics: LDLᵀ of M, unrolled or left to the runtime, or the constrained system at run time; for
 //!   long chains articulated bodies, which are among the sweeps;
-//! - `linearize`: Jacobians of the equations of motion;
+//! - `linearize`: Jacobians of the equations of motion, by differentiation or from those of the sweeps;
 //! - `constraint`: what must vanish, its Jacobian and its bias;
 //! - `conserved`: cyclic coordinates and the energy integral;
 //! - `output`: outputs, their velocities and Jacobians;
@@ -43,7 +43,7 @@ use crate::variable::Variable;
 pub(crate) use crate::equations::Equations;
 pub use crate::equations::Route;
 pub(crate) use crate::equations::{
-    Conserved, Constraints, Lagrange, LeftOut, OutputEquations, Rows, Symbols, Wrenches,
+    Conserved, Constraints, Lagrange, LeftOut, OutputEquations, Rows, Slopes, Symbols, Wrenches,
 };
 pub use solve::LARGEST_UNROLLED;
 pub(crate) use textbook::Form;
@@ -76,7 +76,9 @@ impl Route {
     fn form(self, kept: &Kept) -> Form<'_> {
         match self {
             Route::Textbook | Route::MultipliedOut => Form::Textbook(kept),
-            Route::Plain | Route::Structured | Route::Articulated | Route::Ungrouped => Form::AsDerived,
+            Route::Plain | Route::Structured | Route::Articulated | Route::Recursive | Route::Ungrouped => {
+                Form::AsDerived
+            }
         }
     }
 }
@@ -91,9 +93,9 @@ pub(crate) fn routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph, left_out
 }
 
 /// The equations by every route, those that are there for comparison only included; accelerations by articulated bodies
-/// are among the structured ones.
+/// and derivatives by recursion are among the structured ones.
 pub(crate) fn all_routes<'g>(lagrangian: &Lagrangian<'_>, graph: &'g Graph) -> Vec<Equations<'g>> {
-    let routes = Route::ALL.into_iter().filter(|&route| route != Route::Articulated);
+    let routes = Route::ALL.into_iter().filter(|route| !matches!(route, Route::Articulated | Route::Recursive));
     derived_by(lagrangian, graph, &routes.collect::<Vec<_>>(), LeftOut::default())
 }
 
@@ -135,7 +137,7 @@ pub(crate) fn derived_by<'g>(
     let kept = |route: Route| match route {
         Route::MultipliedOut => vec![&nothing],
         Route::Textbook => std::iter::once(&kept).chain(&turned).collect(),
-        Route::Plain | Route::Structured | Route::Articulated | Route::Ungrouped => vec![&kept],
+        Route::Plain | Route::Structured | Route::Articulated | Route::Recursive | Route::Ungrouped => vec![&kept],
     };
     let by = |route: Route, kept: &Kept| match route {
         Route::Plain => plain.clone(),
@@ -143,6 +145,7 @@ pub(crate) fn derived_by<'g>(
         Route::Structured => by_bodies(Masses::Regrouped),
         Route::Articulated => by_bodies(Masses::Regrouped)
             .filter(|lagrange| lagrangian.constraints.is_empty() && lagrange.accelerations.is_some()),
+        Route::Recursive => by_bodies(Masses::Regrouped).filter(|lagrange| lagrange.slopes.is_some()),
         Route::Ungrouped => by_bodies(Masses::AsDeclared),
     };
     let constraints = constraint::constraints(lagrangian, graph, symbols);
@@ -208,8 +211,24 @@ impl<'g> Mechanism<'_, '_, 'g> {
             Route::Articulated => forward_dynamics.by_articulated_bodies(),
             _ => forward_dynamics,
         };
-        let (inverse_dynamics_jacobian, linearization) =
-            linearize::derivatives(&lagrange, &forward_dynamics, form, constraints, symbols, left_out);
+        let asked_for = linearize::Dynamics {
+            lagrange: &lagrange,
+            forward: &forward_dynamics,
+            route,
+            form,
+            constraints,
+            symbols,
+            left_out,
+        };
+        // Of long chains reverse sweeps would take time to lose.
+        let by_recursion_alone = route == Route::Recursive || symbols.q.len() > FEW_COORDINATES;
+        let (derivatives, recursive) = match &lagrange.slopes {
+            Some(slopes) if by_recursion_alone => (asked_for.by_recursion(slopes, true), None),
+            slopes => {
+                let recursive = slopes.as_ref().map(|slopes| asked_for.by_recursion(slopes, false));
+                (asked_for.derivatives(), recursive)
+            }
+        };
         let graph = lagrange.kinetic_energy.graph();
         let (conserved, outputs) = match left_out.mass_matrix {
             true => (Vec::new(), Vec::new()),
@@ -224,8 +243,8 @@ impl<'g> Mechanism<'_, '_, 'g> {
             symbols: symbols.clone(),
             lagrange,
             forward_dynamics,
-            inverse_dynamics_jacobian,
-            linearization,
+            derivatives,
+            recursive,
             constraints: constraints.clone(),
             conserved,
             outputs,

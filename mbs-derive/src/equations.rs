@@ -35,6 +35,8 @@ pub enum Route {
     Structured,
     /// By sweeps, accelerations too: by articulated bodies instead of a factorization of M.
     Articulated,
+    /// By sweeps, the derivatives of inverse and forward dynamics too: from composite bodies instead of differentiation.
+    Recursive,
     /// By sweeps, every mass left where it was declared; for comparison.
     Ungrouped,
     /// As in a textbook with all sums multiplied out, whatever digits that costs; for comparison.
@@ -43,8 +45,15 @@ pub enum Route {
 
 impl Route {
     /// All of them, in this order: of equal costs the first one counts.
-    pub const ALL: [Route; 6] =
-        [Route::Plain, Route::Textbook, Route::Structured, Route::Articulated, Route::Ungrouped, Route::MultipliedOut];
+    pub const ALL: [Route; 7] = [
+        Route::Plain,
+        Route::Textbook,
+        Route::Structured,
+        Route::Articulated,
+        Route::Recursive,
+        Route::Ungrouped,
+        Route::MultipliedOut,
+    ];
 }
 
 impl fmt::Display for Route {
@@ -54,6 +63,7 @@ impl fmt::Display for Route {
             Route::Textbook => "textbook",
             Route::Structured => "structured",
             Route::Articulated => "articulated",
+            Route::Recursive => "recursive",
             Route::Ungrouped => "ungrouped",
             Route::MultipliedOut => "multiplied out",
         })
@@ -89,10 +99,10 @@ pub(crate) struct Equations<'g> {
     pub lagrange: Lagrange<'g>,
     /// q̈
     pub forward_dynamics: ForwardDynamics<'g>,
-    /// Derivatives of inverse dynamics.
-    pub inverse_dynamics_jacobian: InverseDynamicsJacobian<'g>,
-    /// Derivatives of forward dynamics.
-    pub linearization: Linearization<'g>,
+    /// Derivatives of the dynamics, by differentiation.
+    pub derivatives: Derivatives<'g>,
+    /// The same by recursion, where that is another way.
+    pub recursive: Option<Derivatives<'g>>,
     /// Rows of constraints.
     pub constraints: Constraints<'g>,
     /// First integrals.
@@ -134,6 +144,21 @@ pub(crate) struct Lagrange<'g> {
     pub position_gradient: Vec<Expr<'g>>,
     /// q̈ without a mass matrix and without constraints, where a sweep gives it.
     pub accelerations: Option<Vec<Expr<'g>>>,
+    /// The slopes of `M q̈ + C q̇ + G` of bodies, where a sweep gives them.
+    pub slopes: Option<Slopes<'g>>,
+}
+
+/// `∂/∂q` and `∂/∂q̇` of a part of the forces, and what is left of them to be differentiated.
+#[derive(Clone, Debug)]
+pub(crate) struct Slopes<'g> {
+    /// `∂/∂q`
+    pub q: Rows<'g>,
+    /// `∂/∂q̇`
+    pub qd: Rows<'g>,
+    /// The rest of `M q̈ + C q̇ + G + ∂D/∂q̇`.
+    pub other_inverse_dynamics: Vec<Expr<'g>>,
+    /// The rest of `M q̈ + C q̇ + G + ∂D/∂q̇ − Q`.
+    pub other_residual: Vec<Expr<'g>>,
 }
 
 /// How accelerations are found.
@@ -182,6 +207,25 @@ pub(crate) struct InverseDynamicsJacobian<'g> {
     pub q: Rows<'g>,
     /// `∂τ/∂q̇`
     pub qd: Rows<'g>,
+}
+
+/// The derivatives of inverse and of forward dynamics, those that are asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Derivatives<'g> {
+    /// How they were derived.
+    pub route: Route,
+    /// `∂τ/∂q`, `∂τ/∂q̇`
+    pub inverse_dynamics_jacobian: InverseDynamicsJacobian<'g>,
+    /// Those of q̈.
+    pub linearization: Linearization<'g>,
+}
+
+impl Derivatives<'_> {
+    /// Before any is asked for.
+    pub(crate) fn none(route: Route) -> Self {
+        let (inverse_dynamics_jacobian, linearization) = Default::default();
+        Derivatives { route, inverse_dynamics_jacobian, linearization }
+    }
 }
 
 /// Derivatives of q̈; rows are accelerations.

@@ -36,7 +36,7 @@ mod tests {
     }
 
     /// Texts in which rules are.
-    const RULES: [&str; 19] = [
+    const RULES: [&str; 20] = [
         include_str!("expr/function.rs"),
         include_str!("expr/tangent.rs"),
         include_str!("expr/adjoint.rs"),
@@ -56,6 +56,7 @@ mod tests {
         include_str!("derive/tree/coriolis.rs"),
         include_str!("derive/tree/composite.rs"),
         include_str!("derive/tree/articulated.rs"),
+        include_str!("derive/tree/derivative.rs"),
     ];
 
     /// Mechanisms in which the rules are needed.

@@ -142,12 +142,28 @@ pub(crate) fn of_outputs(lagrangian: &Lagrangian<'_>) -> Derivation {
 /// to round alike, where a coordinate has 1e-8 of the inertia of another.
 fn ways<'e, 'g>(routes: &'e [Equations<'g>]) -> Vec<Vec<Way<'e, 'g>>> {
     let functions = |equations| catalogue::functions(equations).into_iter();
-    let way = |equations: &'e Equations<'g>, (kind, roots)| Way { kind, roots, equations, route: equations.route };
+    let way = |equations: &'e Equations<'g>, (kind, roots)| {
+        let are_derivatives = matches!(kind, FunctionKind::InverseDynamicsJacobian | FunctionKind::Linearize);
+        let route = if are_derivatives { equations.derivatives.route } else { equations.route };
+        Way { kind, roots, equations, route }
+    };
     let articulated = |equations: &'e Equations<'g>| {
         let roots = Roots::accelerations(equations.forward_dynamics.articulated.as_ref()?)?;
         Some(Way { kind: FunctionKind::ForwardDynamics, roots, equations, route: Route::Articulated })
     };
-    let by = |equations| functions(equations).map(|function| way(equations, function)).chain(articulated(equations));
+    let recursive = |equations: &'e Equations<'g>| {
+        let (left_out, derivatives) = (equations.left_out, equations.recursive.as_ref()?);
+        let jacobian = || Roots::inverse_dynamics_jacobian(equations, derivatives);
+        let linearization = || Roots::linearization(equations, derivatives);
+        let found = [
+            (FunctionKind::InverseDynamicsJacobian, (!left_out.inverse_dynamics_jacobian).then(jacobian).flatten()),
+            (FunctionKind::Linearize, (!left_out.linearization).then(linearization).flatten()),
+        ];
+        let way = |(kind, roots)| Some(Way { kind, roots: roots?, equations, route: derivatives.route });
+        Some(found.into_iter().filter_map(way))
+    };
+    let others = |equations| articulated(equations).into_iter().chain(recursive(equations).into_iter().flatten());
+    let by = |equations| functions(equations).map(|function| way(equations, function)).chain(others(equations));
     let mut ways: Vec<Vec<Way<'e, 'g>>> = routes.iter().map(|equations| by(equations).collect()).collect();
     let simplified = ways.iter_mut().flatten().map(|way| &mut way.roots).filter(|roots| !roots.is_solved);
     let mut roots: Vec<&mut Expr<'g>> = simplified.flat_map(|roots| &mut roots.values).collect();

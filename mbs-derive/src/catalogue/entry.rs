@@ -1,6 +1,6 @@
 //! What an entry says of a function.
 
-use crate::equations::{Equations, ForwardDynamics, Route, Rows};
+use crate::equations::{Derivatives, Equations, ForwardDynamics, Route, Rows};
 use crate::expr::{Expr, Node, Symbol};
 use crate::shape::{ResultPart, Shape};
 
@@ -219,6 +219,21 @@ impl<'g> Roots<'g> {
     /// Rows of this length.
     pub(crate) fn matrix(rows: &Rows<'g>, columns: usize) -> Option<Self> {
         Self::of(Shape::Matrix(rows.len(), columns), rows.concat())
+    }
+
+    /// The derivatives of inverse dynamics.
+    pub(crate) fn inverse_dynamics_jacobian(e: &Equations<'g>, derivatives: &Derivatives<'g>) -> Option<Self> {
+        let (jacobian, square) =
+            (&derivatives.inverse_dynamics_jacobian, Shape::Matrix(e.symbols.q.len(), e.symbols.q.len()));
+        Roots::parts([("q", square), ("qd", square)], [jacobian.q.concat(), jacobian.qd.concat()].concat())
+    }
+
+    /// The derivatives of q̈ in the state and the inputs.
+    pub(crate) fn linearization(e: &Equations<'g>, derivatives: &Derivatives<'g>) -> Option<Self> {
+        let [q, qd, u] = &derivatives.linearization.state;
+        let by = |name, inputs: usize| (name, Shape::Matrix(e.symbols.q.len(), inputs));
+        let parts = [by("q", e.symbols.q.len()), by("qd", e.symbols.qd.len()), by("u", e.symbols.u.len())];
+        Roots::parts(parts, [q.concat(), qd.concat(), u.concat()].concat())?.solved_by(&e.forward_dynamics)
     }
 
     /// The derivatives of a solution, which is found with `self` as right sides: with the system before them.

@@ -40,6 +40,7 @@ pub(crate) fn equations<'g>(energies: &Energies<'g>, symbols: &Symbols, left_out
         dissipation_force,
         position_gradient,
         accelerations: None,
+        slopes: None,
     }
 }
 

@@ -5,90 +5,122 @@
 //! `A q̈ + γ` besides, and the system is that of q̈ and λ.
 
 use crate::equations::{
-    Constraints, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, LeftOut, Linearization, Rows,
-    Symbols,
+    Constraints, Derivatives, Factorization, ForwardDynamics, InverseDynamicsJacobian, Lagrange, LeftOut,
+    Linearization, Route, Rows, Slopes, Symbols,
 };
 use crate::expr::{Expr, Symbol, gradient, substitute};
 use crate::mistake::rule;
 
 use super::Form;
-use super::lagrange::{jacobian_by_rows, sub, transpose};
+use super::lagrange::{add, jacobian_by_rows, sub, transpose};
 
-/// The derivatives of inverse dynamics and of forward dynamics, those that are asked for.
-pub(crate) fn derivatives<'g>(
-    lagrange: &Lagrange<'g>,
-    forward: &ForwardDynamics<'g>,
-    form: Form<'_>,
-    constraints: &Constraints<'g>,
-    symbols: &Symbols,
-    left_out: LeftOut,
-) -> (InverseDynamicsJacobian<'g>, Linearization<'g>) {
-    let (mut jacobian, mut linear) = (InverseDynamicsJacobian::default(), Linearization::default());
-    if left_out.inverse_dynamics_jacobian && left_out.linearization {
-        return (jacobian, linear);
-    }
-    let slopes = inverse_dynamics_slopes(lagrange, symbols);
-    if !left_out.inverse_dynamics_jacobian {
-        jacobian = inverse_dynamics_jacobian(&slopes, form, symbols);
-    }
-    if !left_out.linearization {
-        linear = linearization(lagrange, &slopes, forward, form, constraints, symbols);
-    }
-    (jacobian, linear)
+/// What derivatives are of.
+pub(crate) struct Dynamics<'a, 'g> {
+    pub(crate) lagrange: &'a Lagrange<'g>,
+    pub(crate) forward: &'a ForwardDynamics<'g>,
+    pub(crate) route: Route,
+    pub(crate) form: Form<'a>,
+    pub(crate) constraints: &'a Constraints<'g>,
+    pub(crate) symbols: &'a Symbols,
+    pub(crate) left_out: LeftOut,
 }
 
-/// `∂τ/∂x` for all x but the parameters: q, q̇ and u. One reverse sweep per generalized force.
-fn inverse_dynamics_slopes<'g>(lagrange: &Lagrange<'g>, symbols: &Symbols) -> Rows<'g> {
-    jacobian_by_rows(&lagrange.inverse_dynamics, &[symbols.q.as_slice(), &symbols.qd, &symbols.u].concat())
-}
+impl<'g> Dynamics<'_, 'g> {
+    /// The derivatives of inverse dynamics and of forward dynamics, those that are asked for.
+    pub(crate) fn derivatives(&self) -> Derivatives<'g> {
+        let (left_out, mut found) = (self.left_out, Derivatives::none(self.route));
+        if left_out.inverse_dynamics_jacobian && left_out.linearization {
+            return found;
+        }
+        let slopes = jacobian_by_rows(&self.lagrange.inverse_dynamics, &self.variables());
+        if !left_out.inverse_dynamics_jacobian {
+            found.inverse_dynamics_jacobian = self.inverse_dynamics_jacobian(&slopes);
+        }
+        if !left_out.linearization {
+            found.linearization = self.linearization(&self.residual_slopes(&slopes));
+        }
+        found
+    }
 
-/// Those in q and q̇.
-fn inverse_dynamics_jacobian<'g>(slopes: &Rows<'g>, form: Form<'_>, symbols: &Symbols) -> InverseDynamicsJacobian<'g> {
-    let n = symbols.q.len();
-    let rows = form.rows(&slopes.iter().map(|row| row[..2 * n].to_vec()).collect());
-    InverseDynamicsJacobian {
-        q: rows.iter().map(|row| row[..n].to_vec()).collect(),
-        qd: rows.iter().map(|row| row[n..].to_vec()).collect(),
+    /// The same where the slopes of bodies are known; those in the parameters only if nobody else has them.
+    pub(crate) fn by_recursion(&self, bodies: &Slopes<'g>, with_parameters: bool) -> Derivatives<'g> {
+        let (left_out, mut found) = (self.left_out, Derivatives::none(Route::Recursive));
+        let zeros = vec![self.lagrange.kinetic_energy.graph().integer(0); self.symbols.u.len()];
+        let of_bodies: Rows<'g> =
+            bodies.q.iter().zip(&bodies.qd).map(|(q, qd)| [q.as_slice(), qd, &zeros].concat()).collect();
+        let with_bodies = |others: &[Expr<'g>]| {
+            let mut rows = jacobian_by_rows(others, &self.variables());
+            rows.iter_mut().zip(&of_bodies).for_each(|(row, bodies)| *row = add(row, bodies));
+            rows
+        };
+        if !left_out.inverse_dynamics_jacobian {
+            found.inverse_dynamics_jacobian =
+                self.inverse_dynamics_jacobian(&with_bodies(&bodies.other_inverse_dynamics));
+        }
+        if !left_out.linearization {
+            let mut slopes = with_bodies(&self.residual(&bodies.other_residual));
+            if with_parameters {
+                let residual = self.residual(&self.lagrange.residual);
+                let of_parameters = jacobian_by_rows(&residual, &self.symbols.parameters);
+                slopes.iter_mut().zip(of_parameters).for_each(|(row, parameters)| row.extend(parameters));
+            }
+            found.linearization = self.linearization(&slopes);
+        }
+        found
+    }
+
+    /// All but the parameters: q, q̇ and u.
+    fn variables(&self) -> Vec<Symbol> {
+        [self.symbols.q.as_slice(), &self.symbols.qd, &self.symbols.u].concat()
+    }
+
+    /// Those in q and q̇ of inverse dynamics.
+    fn inverse_dynamics_jacobian(&self, slopes: &Rows<'g>) -> InverseDynamicsJacobian<'g> {
+        let n = self.symbols.q.len();
+        let rows = self.form.rows(&slopes.iter().map(|row| row[..2 * n].to_vec()).collect());
+        InverseDynamicsJacobian {
+            q: rows.iter().map(|row| row[..n].to_vec()).collect(),
+            qd: rows.iter().map(|row| row[n..].to_vec()).collect(),
+        }
+    }
+
+    /// `τ − Q − Aᵀ λ` with this for `τ − Q`, then `A q̈ + γ`.
+    fn residual(&self, less_force: &[Expr<'g>]) -> Vec<Expr<'g>> {
+        let (constraints, graph) = (self.constraints, self.lagrange.kinetic_energy.graph());
+        let mut residual = sub(less_force, &constraints.force(less_force.len(), graph));
+        let rows = constraints.jacobian.iter().zip(&constraints.bias);
+        residual.extend(rows.map(|(row, &bias)| {
+            row.iter().zip(&self.symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))
+        }));
+        residual
+    }
+
+    /// `∂r/∂x`, in the parameters too: one sweep a row for all symbols.
+    fn residual_slopes(&self, inverse_dynamics_slopes: &Rows<'g>) -> Rows<'g> {
+        let residual = self.residual(&self.lagrange.residual);
+        let x = [self.variables().as_slice(), &self.symbols.parameters].concat();
+        let is_less_force = self.symbols.parameters.is_empty() && self.constraints.count() == 0;
+        let known = |i: usize| {
+            is_less_force.then(|| less_force(&inverse_dynamics_slopes[i], self.lagrange.generalized_force[i], &x))?
+        };
+        (0..residual.len()).map(|i| known(i).unwrap_or_else(|| gradient(residual[i], &x))).collect()
+    }
+
+    /// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
+    fn linearization(&self, residual_slopes: &Rows<'g>) -> Linearization<'g> {
+        let slopes = rule!("the sign of a linearization", negative(residual_slopes), residual_slopes.clone());
+        let [n, inputs] = [self.symbols.q.len(), self.symbols.u.len()];
+        let parameters = slopes[0].len() - (2 * n + inputs);
+        let [q, qd, u, parameters] = split(&slopes, [n, n, inputs, parameters]);
+        let [q, qd, u] = together(self.form, [q, qd, u]);
+        let parameters = self.form.rows(&parameters);
+        let (Some(solution), Some(factorization)) = (&self.forward.unrolled, &self.forward.factorization) else {
+            return Linearization { state: [q, qd, u], parameters };
+        };
+        let finish = |rows: Rows<'g>| solve_columns(factorization, &at_solution(&rows, solution));
+        Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
     }
 }
-
-/// `∂q̈/∂x = −M⁻¹ ∂r/∂x`
-fn linearization<'g>(
-    lagrange: &Lagrange<'g>,
-    inverse_dynamics_slopes: &Rows<'g>,
-    forward: &ForwardDynamics<'g>,
-    form: Form<'_>,
-    constraints: &Constraints<'g>,
-    symbols: &Symbols,
-) -> Linearization<'g> {
-    let graph = lagrange.kinetic_energy.graph();
-    let mut residual = sub(&lagrange.residual, &constraints.force(lagrange.residual.len(), graph));
-    residual.extend(
-        constraints
-            .jacobian
-            .iter()
-            .zip(&constraints.bias)
-            .map(|(row, &bias)| row.iter().zip(&symbols.qdd).fold(bias, |sum, (&a, &qdd)| sum + a * graph.symbol(qdd))),
-    );
-    // One sweep a row for all symbols.
-    let x = [symbols.q.as_slice(), &symbols.qd, &symbols.u, &symbols.parameters];
-    let known = |i: usize| {
-        let is_less_force = symbols.parameters.is_empty() && constraints.count() == 0;
-        is_less_force.then(|| less_force(&inverse_dynamics_slopes[i], lagrange.generalized_force[i], &x.concat()))?
-    };
-    let row = |i: usize| known(i).unwrap_or_else(|| gradient(residual[i], &x.concat()));
-    let residual_slopes = (0..residual.len()).map(row).collect();
-    let slopes = rule!("the sign of a linearization", negative(&residual_slopes), residual_slopes);
-    let [q, qd, u, parameters] = split(&slopes, x.map(<[_]>::len));
-    let [q, qd, u] = together(form, [q, qd, u]);
-    let parameters = form.rows(&parameters);
-    let (Some(solution), Some(factorization)) = (&forward.unrolled, &forward.factorization) else {
-        return Linearization { state: [q, qd, u], parameters };
-    };
-    let finish = |rows: Rows<'g>| solve_columns(factorization, &at_solution(&rows, solution));
-    Linearization { state: [finish(q), finish(qd), finish(u)], parameters: finish(parameters) }
-}
-
 /// `∂(τ − Q)/∂x` from `∂τ/∂x`, without the long sweep over τ, where no symbol moves both: often Q is an input alone.
 fn less_force<'g>(slopes: &[Expr<'g>], force: Expr<'g>, x: &[Symbol]) -> Option<Vec<Expr<'g>>> {
     let force_slopes = gradient(force, x);

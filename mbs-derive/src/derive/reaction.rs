@@ -62,7 +62,7 @@ impl<'g> Reactions<'g> {
     pub(super) fn by(&self, route: Route) -> Option<Vec<Vec<Expr<'g>>>> {
         let net = match route {
             Route::Plain | Route::Textbook | Route::MultipliedOut => self.plain(&self.energies),
-            Route::Structured | Route::Articulated => self.structured(Masses::Regrouped)?,
+            Route::Structured | Route::Articulated | Route::Recursive => self.structured(Masses::Regrouped)?,
             Route::Ungrouped => self.structured(Masses::AsDeclared)?,
         };
         let less = &self.constraint_force;
@@ -72,7 +72,9 @@ impl<'g> Reactions<'g> {
         Some(match route {
             Route::Textbook => wrenches.map(|wrench| Form::Textbook(&kept).list(&wrench)).collect(),
             Route::MultipliedOut => wrenches.map(|wrench| Form::Textbook(&Kept::default()).list(&wrench)).collect(),
-            Route::Plain | Route::Structured | Route::Articulated | Route::Ungrouped => wrenches.collect(),
+            Route::Plain | Route::Structured | Route::Articulated | Route::Recursive | Route::Ungrouped => {
+                wrenches.collect()
+            }
         })
     }
 

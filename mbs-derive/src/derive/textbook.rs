@@ -79,6 +79,7 @@ pub(crate) fn normal_form<'g>(plain: &Lagrange<'g>, kept: &Kept) -> Option<Lagra
         inverse_dynamics,
         position_gradient: list(&plain.position_gradient),
         accelerations: None,
+        slopes: None,
     })
 }
 

@@ -12,7 +12,7 @@
 //! - `place`: links that share their origin, and moments about their joints;
 //! - `load`: forces on points and torques on bodies, which ride along with the wrenches;
 //! - `force_element`: springs and dampers between points, likewise;
-//! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix;
+//! - `composite`: the mass matrix; `coriolis`: the Coriolis matrix; `derivative`: derivatives of inverse dynamics;
 //! - `articulated`: accelerations without a mass matrix, for long chains;
 //! - `notation`: what all these are called in generated code.
 //!
@@ -21,6 +21,7 @@
 mod articulated;
 mod composite;
 mod coriolis;
+mod derivative;
 pub(super) mod force_element;
 mod gauge;
 pub(super) mod inertia;
@@ -42,7 +43,7 @@ use crate::expr::{Expr, Node, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
-use super::{Energies, Lagrange, LeftOut, Rows, Symbols};
+use super::{Energies, Lagrange, LeftOut, Rows, Slopes, Symbols};
 use articulated::Drive;
 use force_element::{Anchor, Held};
 use inertia::Inertia;
@@ -105,6 +106,7 @@ pub(super) fn equations<'g>(
         residual,
         free_force,
         accelerations: tree.accelerations(rest, lifted.own_inertia(symbols)),
+        slopes: tree.slopes(rest, left_out),
     }
 }
 
@@ -201,6 +203,7 @@ impl<'g> Tree<'g> {
         Lagrange {
             kinetic_energy: self.kinetic_energy() + rest.kinetic_energy,
             potential_energy: energies.potential,
+            slopes: None,
             inverse_dynamics: add(&self.inverse_dynamics(), &rest.inverse_dynamics),
             dissipation_force: cheaper(dissipation_force, add(&self.dissipation_force(), &rest.dissipation_force)),
             generalized_force: cheaper(energies.forces.clone(), add(&self.applied_forces(), &rest.generalized_force)),
@@ -234,6 +237,28 @@ impl<'g> Tree<'g> {
     /// `M q̈ + C q̇ + G + ∂D/∂q̇ − Q` with Q of the loads, in one sweep.
     fn net_forces(&self, accelerations: Accelerations) -> Vec<Expr<'g>> {
         self.swept_back(less(self.resisted(self.inertial(accelerations)), self.applied()))
+    }
+
+    /// The derivatives of inverse dynamics, where joints follow the coordinates linearly and they are asked for.
+    fn slopes(&self, rest: &Lagrange<'g>, left_out: LeftOut) -> Option<Slopes<'g>> {
+        let is_asked_for = !left_out.inverse_dynamics_jacobian || !left_out.linearization;
+        if !is_asked_for || !self.linkage.is_linear() {
+            return None;
+        }
+        let joint = derivative::slopes(&self.linkage, &self.moving, &self.inertias, &self.composites(), self.gravity);
+        let nothing = vec![Wrench::zero(self.gravity.0[0].graph()); self.linkage.links.len()];
+        let others = self.resisted(less(nothing, self.wrenches(&self.springs)));
+        let other_inverse_dynamics = add(&self.swept_back(others.clone()), &rest.inverse_dynamics);
+        let other_residual = match self.loads.is_empty() {
+            true => sub(&other_inverse_dynamics, &rest.generalized_force),
+            false => add(&self.swept_back(less(others, self.applied())), &rest.residual),
+        };
+        Some(Slopes {
+            q: self.congruent(&joint.displacement),
+            qd: self.congruent(&joint.rate),
+            other_inverse_dynamics,
+            other_residual,
+        })
     }
 
     /// `∂D/∂q̇` of the dampers.

@@ -133,7 +133,7 @@ pub(super) fn is_of_link(letters: &str) -> bool {
 }
 
 /// What `derive/tree/notation.rs` calls what is on the way to results: names without the number and axes, and the line.
-const KEY: [(&[&str], &str); 10] = [
+const KEY: [(&[&str], &str); 11] = [
     (&["w", "v"], "`wjx`, `vjx`: angular velocity, velocity of the origin"),
     (&["wd", "a"], "`wdjx`, `ajx`: their rates, the latter less gravity"),
     (&["u"], "`ujxy`: entry of U = [ω̇]× + [ω]×[ω]×, by which points of the link accelerate"),
@@ -144,6 +144,10 @@ const KEY: [(&[&str], &str); 10] = [
     (
         &["mc", "hc", "sc"],
         "`mcj`, `hcjx`, `scjxy`: mass, first and second moments of all behind the joint, as one body",
+    ),
+    (
+        &["fq", "nq", "fqd", "nqd"],
+        "`fqjx`, `nqjx`, `fqdjx`, `nqdjx`: what the position and the rate of the joint alone change of `fjx`, `njx`",
     ),
     (&["pc", "lc"], "`pcjxy`, `lcjx`: moments and momentum of what moves within that body"),
     (

@@ -27,11 +27,11 @@ use super::wrench::{Wrench, turned_about};
 
 /// `Π = [A l; 0 0]`
 #[derive(Clone, Copy, Debug)]
-struct Within<'g> {
+pub(super) struct Within<'g> {
     /// A
-    moments: Matrix<'g>,
+    pub(super) moments: Matrix<'g>,
     /// l
-    momentum: Vector<'g>,
+    pub(super) momentum: Vector<'g>,
 }
 
 /// C over the moving edges, in the order of `moving`; pairs on different branches are 0.
@@ -55,7 +55,7 @@ pub(super) fn coriolis_matrix<'g>(linkage: &Linkage<'g>, moving: &[usize], compo
 }
 
 /// Π beyond each edge, in the axes of the link behind it.
-fn within<'g>(linkage: &Linkage<'g>, composites: &[Inertia<'g>]) -> Vec<Within<'g>> {
+pub(super) fn within<'g>(linkage: &Linkage<'g>, composites: &[Inertia<'g>]) -> Vec<Within<'g>> {
     let zero = Vector::zero(composites[0].mass.graph());
     let nothing = Within { moments: Matrix([zero.0; 3]), momentum: zero };
     let mut within = vec![nothing; linkage.links.len()];
@@ -131,7 +131,12 @@ fn block_turned_about<'g>(a: Matrix<'g>, axis: usize, s: Expr<'g>, c: Expr<'g>) 
 }
 
 /// The wrench of `[ω]× S P + S Π`.
-fn own_change<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, twist: &Twist<'g>) -> Wrench<'g> {
+pub(super) fn own_change<'g>(
+    edge: &Edge<'g>,
+    body: &Inertia<'g>,
+    within: &Within<'g>,
+    twist: &Twist<'g>,
+) -> Wrench<'g> {
     let w = twist.angular;
     let graph = body.mass.graph();
     match *edge {
@@ -174,7 +179,12 @@ fn others_change<'g>(
 }
 
 /// `vee(S (V P + Π)ᵀ)`
-fn moved_couple<'g>(edge: &Edge<'g>, body: &Inertia<'g>, within: &Within<'g>, twist: &Twist<'g>) -> Vector<'g> {
+pub(super) fn moved_couple<'g>(
+    edge: &Edge<'g>,
+    body: &Inertia<'g>,
+    within: &Within<'g>,
+    twist: &Twist<'g>,
+) -> Vector<'g> {
     let Twist { angular: w, linear: v } = *twist;
     match *edge {
         Edge::Revolute { axis, .. } => {
@@ -205,13 +215,13 @@ fn turning_axis<'g>(edge: &Edge<'g>, twist: &Twist<'g>, wrench: &Wrench<'g>) -> 
 }
 
 /// `[a]×`
-fn skew<'g>(a: Vector<'g>) -> Matrix<'g> {
+pub(super) fn skew<'g>(a: Vector<'g>) -> Matrix<'g> {
     let ([x, y, z], zero) = (a.0, a.0[0].graph().integer(0));
     Matrix([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
 }
 
 /// `(W₃₂ − W₂₃, W₁₃ − W₃₁, W₂₁ − W₁₂)`
-fn vee<'g>(w: Matrix<'g>) -> Vector<'g> {
+pub(super) fn vee<'g>(w: Matrix<'g>) -> Vector<'g> {
     Vector([0, 1, 2].map(|i| {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
         w.0[k][j] - w.0[j][k]

@@ -21,23 +21,23 @@ use super::wrench::{Wrench, turned_about};
 
 /// How a link moves.
 #[derive(Clone, Copy, Debug)]
-struct Motion<'g> {
+pub(super) struct Motion<'g> {
     /// ω
     angular_velocity: Vector<'g>,
     /// ω̇
     angular_acceleration: Vector<'g>,
     /// a
-    acceleration: Vector<'g>,
-    spin: Spin<'g>,
+    pub(super) acceleration: Vector<'g>,
+    pub(super) spin: Spin<'g>,
 }
 
 /// What a turning frame does to its points; shared by links of one attitude.
 #[derive(Clone, Copy, Debug)]
-struct Spin<'g> {
+pub(super) struct Spin<'g> {
     /// ω², by component.
     squares: [Expr<'g>; 3],
     /// U
-    matrix: Matrix<'g>,
+    pub(super) matrix: Matrix<'g>,
 }
 
 impl<'g> Spin<'g> {
@@ -52,6 +52,19 @@ impl<'g> Spin<'g> {
             }
         };
         Spin { squares, matrix: Matrix([0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j)))) }
+    }
+
+    /// `U ê − ê U`, what U changes by if the axes turn about one of them, and the motion does not.
+    pub(super) fn turned_back(&self, axis: usize) -> Matrix<'g> {
+        let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
+        let u = &self.matrix.0;
+        let mut turned = Matrix([[self.squares[0].graph().integer(0); 3]; 3]);
+        let (both, difference) = (u[i][j] + u[j][i], self.squares[j] - self.squares[i]);
+        (turned.0[i][i], turned.0[j][j]) = (both, -both);
+        (turned.0[i][j], turned.0[j][i]) = (difference, difference);
+        (turned.0[i][k], turned.0[j][k]) = (u[j][k], -u[i][k]);
+        (turned.0[k][i], turned.0[k][j]) = (u[k][j], -u[k][i]);
+        turned
     }
 
     /// `vee(U Σ − (U Σ)ᵀ)`, with the differences of U's diagonal, `U₃₃ − U₂₂ = ω₃² − ω₂²` as differences of squares.
@@ -105,7 +118,7 @@ pub(super) fn joint_forces<'g>(linkage: &Linkage<'g>, mut wrenches: Vec<Wrench<'
     forces
 }
 
-fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerations: Accelerations) -> Vec<Motion<'g>> {
+pub(super) fn motions<'g>(linkage: &Linkage<'g>, gravity: Vector<'g>, accelerations: Accelerations) -> Vec<Motion<'g>> {
     let zero = Vector::zero(gravity.0[0].graph());
     let base = Motion {
         angular_velocity: zero,
@@ -162,7 +175,7 @@ impl<'g> Motion<'g> {
 }
 
 /// What it takes to move these masses so.
-fn inertial<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
+pub(super) fn inertial<'g>(inertia: &Inertia<'g>, motion: &Motion<'g>) -> Wrench<'g> {
     let Wrench { force, couple, .. } = spinning(inertia, motion);
     Wrench::new(force, couple + inertia.first.cross(motion.acceleration))
 }

@@ -27,6 +27,22 @@ pub(super) fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>
     twists
 }
 
+/// The same, but for what all links beyond have in common because the base slides along directions that are fixed in
+/// the world.
+pub(super) fn twists_on_slides<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
+    let rest = Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) };
+    let mut twists = vec![rest];
+    // Which links do not turn.
+    let mut is_straight = vec![true];
+    for link in linkage.links.iter().skip(1) {
+        let (Some(parent), Some(edge)) = (link.parent, link.edge) else { unreachable!("only the base has no parent") };
+        let is_on_slides = is_straight[parent] && !matches!(edge, Edge::Revolute { .. });
+        is_straight.push(is_on_slides);
+        twists.push(if is_on_slides { rest } else { twists[parent].beyond(&edge) });
+    }
+    twists
+}
+
 impl<'g> Twist<'g> {
     fn beyond(&self, edge: &Edge<'g>) -> Self {
         let Twist { angular: w, linear: v } = *self;

@@ -44,6 +44,11 @@ impl<'g> Wrench<'g> {
         }
     }
 
+    /// So many times this one.
+    pub(super) fn scale(self, s: Expr<'g>) -> Self {
+        Wrench::new(self.force.scale(s), self.couple.scale(s))
+    }
+
     /// The part that works on the edge's own motion: the couple about the axis, the force along the slide.
     pub(super) fn along(&self, edge: &Edge<'g>) -> Option<Expr<'g>> {
         match *edge {
@@ -55,16 +60,18 @@ impl<'g> Wrench<'g> {
 
     /// The wrench about the parent's origin, in its axes.
     pub(super) fn across(self, edge: &Edge<'g>) -> Self {
-        let Wrench { force, couple, .. } = self;
-        // `n + t × f`
-        let shifted = |t: Vector<'g>| Wrench::new(force, couple + t.cross(force));
         match *edge {
-            Edge::Shift(t) => shifted(t),
-            Edge::Slide { direction, displacement } => shifted(direction.scale(displacement)),
+            Edge::Shift(t) => self.shifted(t),
+            Edge::Slide { direction, displacement } => self.shifted(direction.scale(displacement)),
             Edge::Turn(_) | Edge::Revolute { .. } | Edge::Tilt { .. } => {
-                Wrench::new(edge.turned(force), edge.turned(couple))
+                Wrench::new(edge.turned(self.force), edge.turned(self.couple))
             }
         }
+    }
+
+    /// The wrench about the origin of a frame in which this one's origin is at t: `n + t × f`.
+    pub(super) fn shifted(self, t: Vector<'g>) -> Self {
+        Wrench::new(self.force, self.couple + t.cross(self.force))
     }
 }
 
