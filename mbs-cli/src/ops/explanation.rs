@@ -58,8 +58,9 @@ impl Explanation {
             let flops = |wanted: Route| costs.iter().find(|(r, _)| *r == wanted).map(|(_, cost)| cost.flops());
             let mut row = vec![name.clone(), route.to_string()];
             row.extend(shown.iter().map(|route| flops(*route).map_or(String::new(), |flops| flops.to_string())));
-            if let (Some(with), Some(without)) = (flops(Route::Structured), flops(Route::Ungrouped)) {
-                row.push((without as i64 - with as i64).to_string());
+            if routes.contains(&Route::Ungrouped) {
+                let both = flops(Route::Structured).zip(flops(Route::Ungrouped));
+                row.push(both.map_or(String::new(), |(with, without)| (without as i64 - with as i64).to_string()));
             }
             if keeps {
                 row.push(kept(function).to_string());
