@@ -57,6 +57,20 @@ fn explanations_tell_what_is_spent_on_digits() {
     assert!(!workshop.good(&["ops", "pendulum.mbs", "--explain"]).contains("spent on digits"));
 }
 
+/// Derivatives of long chains have one route, the recursion over their links, and stay in their columns.
+#[test]
+fn explanations_of_long_chains_have_the_recursion() {
+    let workshop = Workshop::new();
+    let chain = "mechanism Chain { coord q[31]: rad; gravity([0, -9.81 m/s^2, 0]); let mut link = world; for i in 0..31 { \
+                 link = link*rot_z(q[i])*translation([1 m, 0 m, 0 m]); kinetic += particle(1 kg, link.origin()); } }";
+    workshop.write("chain.mbs", chain);
+    let table = workshop.good(&["ops", "chain.mbs", "--explain"]);
+    let rows: Vec<&str> =
+        table.lines().skip_while(|line| !line.starts_with("function  ") || line.ends_with("flops")).collect();
+    let row = rows.iter().find(|row| row.starts_with("inverse_dynamics_jacobian")).unwrap();
+    assert!(row.contains(" recursive ") && row.len() == rows[0].len(), "{table}");
+}
+
 /// A pendulum's functions are right to a few units in the last place, but for the digits that a far angle has lost.
 #[cfg(feature = "accuracy")]
 #[test]
