@@ -91,3 +91,18 @@ fn motions_without_inertia_are_those_that_can_be() {
         assert_eq!(report.contains(" of which some motion has no inertia"), is_singular, "{report}");
     }
 }
+
+/// `|z − a| + z − a` holds of its own accord on one side of a, and says z = a on the other.
+#[test]
+fn the_root_of_a_square_in_a_constraint_is_an_absolute_value() {
+    let workshop = Workshop::new();
+    for row in ["sqrt((z - a)^2) + (z - a)", "((z - a)^4)^(1/4) + z - a", "[0, z - a, 0].norm() + z - a"] {
+        let text = format!(
+            "mechanism Half {{ param m: kg = 1; param a: m = 0.3; coord x: m; coord z: m; \
+             kinetic += 1/2*m*(dt(x)^2 + dt(z)^2); constraint row: {row} = 0; }}"
+        );
+        workshop.write("half.mbs", text);
+        let summary = workshop.good(&["check", "half.mbs"]);
+        assert!(summary.contains("1 constraint row") && summary.contains("proved exactly"), "{row}: {summary}");
+    }
+}

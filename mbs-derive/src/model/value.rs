@@ -2,7 +2,7 @@
 //!
 //! - [`dimension`]: SI dimensions and units; [`constant`]: what is known of an expression;
 //! - [`evaluate`]: expressions → values; [`usage`]: what values are used as; [`quantity`]: numbers with units;
-//!   [`operator`]: `+ - * / ^` and `dt`;
+//!   [`operator`]: `+ - * / ^` and `dt`; [`root`]: roots of squares;
 //! - [`condition`]: `if … else`; [`difference`]: differences of places, in their nearest common frame;
 //! - [`builtin`]: functions and methods; [`attitude`]: axes of parameters, arrays for several arguments;
 //!   [`interpolation`]: tables.
@@ -17,6 +17,7 @@ pub(in crate::model) mod evaluate;
 pub(in crate::model) mod interpolation;
 pub(in crate::model) mod operator;
 pub(in crate::model) mod quantity;
+pub(in crate::model) mod root;
 pub(in crate::model) mod usage;
 
 use std::collections::BTreeMap;

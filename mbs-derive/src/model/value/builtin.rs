@@ -281,7 +281,7 @@ fn signum<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<
 fn sqrt<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let x = resolver.scalar(&call.arguments[0])?;
     let dimension = resolver.bounded(x.dimension.power(1, 2), call.span)?;
-    Ok(Value::Scalar(Scalar::new(x.expr.sqrt(), dimension)))
+    Ok(Value::Scalar(Scalar::new(resolver.square_root(x.expr), dimension)))
 }
 
 /// Two numbers of one dimension.
@@ -304,7 +304,7 @@ fn atan2<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<V
 
 fn hypot<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
     let (x, y, dimension) = pair(resolver, call)?;
-    Ok(Value::Scalar(Scalar::new((x.powi(2) + y.powi(2)).sqrt(), dimension)))
+    Ok(Value::Scalar(Scalar::new(resolver.square_root(x.powi(2) + y.powi(2)), dimension)))
 }
 
 fn min<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Value<'g>> {
@@ -371,7 +371,7 @@ fn norm<'g>(resolver: &mut Resolver<'_, 'g>, call: &Call<'_, 'g>) -> Resolved<Va
     let v = resolver.vector(&call.arguments[0])?;
     let square = square_of(resolver, v.components);
     resolver.lagrangian.landmarks.note_product(v.components, v.components, square);
-    Ok(Value::Scalar(Scalar::new(square.sqrt(), v.dimension)))
+    Ok(Value::Scalar(Scalar::new(resolver.square_root(square), v.dimension)))
 }
 
 // ---- poses

@@ -444,7 +444,14 @@ impl<'d, 'g> Resolver<'d, 'g> {
                 "integers and halves are exponents for any base",
             ));
         }
-        Ok(Value::Scalar(Scalar::new(base.expr.call2(Binary::Powf, exponent), dimension)))
+        let root = match constant {
+            Some(Number::Exact { numerator, denominator, pi: 0 }) => {
+                self.root_of_squares(base.expr, numerator, denominator)
+            }
+            _ => None,
+        };
+        let power = root.unwrap_or_else(|| base.expr.call2(Binary::Powf, exponent));
+        Ok(Value::Scalar(Scalar::new(power, dimension)))
     }
 
     /// `m^(1/3)` is a dimension, `m^x` is none.
@@ -490,7 +497,9 @@ impl<'d, 'g> Resolver<'d, 'g> {
         }
         let (n, d) = (numerator as i32, denominator as i32);
         let dimension = self.bounded(base.dimension.power(n, d), span)?;
-        Ok(Value::Scalar(Scalar::new(base.expr.power(HalfInteger::halves(2 / d * n)), dimension)))
+        let root = if d == 2 { self.root_of_squares(base.expr, numerator, denominator) } else { None };
+        let power = root.unwrap_or_else(|| base.expr.power(HalfInteger::halves(2 / d * n)));
+        Ok(Value::Scalar(Scalar::new(power, dimension)))
     }
 }
 

@@ -40,7 +40,7 @@ fn each_place_has_its_warning() {
         let is_it = |warning: &&String| warning.starts_with(&format!("{place}: ")) && warning.contains(means);
         assert_eq!(found.iter().filter(is_it).count(), 1, "{place}: {found:?}");
     };
-    of("sqrt(x^2)", "the output's velocity");
+    of("sqrt(x^2)", "this has a kink");
     of("(x^2)^(1/3)", "the output's velocity");
     of("(x^2)^(2/3)", "the equations of motion");
 }
