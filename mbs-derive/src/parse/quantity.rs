@@ -52,7 +52,8 @@ impl Reader<'_> {
                     "write an array for each row, `x[n]` and `y[n]`, or one for all of them, `r[3*n]` with `r[3*i + k]`"
                 }
             };
-            return Err(self.refuse(Code::IndexForm, here, "only a `param` has two indices", help));
+            let message = format!("`{}` takes one index: `param` and `let` take two", form.keyword);
+            return Err(self.refuse(Code::IndexForm, here, message, help));
         }
         let declared = start..self.last;
         let unit = self.quantity_unit(form, &declared)?;
@@ -346,6 +347,11 @@ mod tests {
         );
         refused("param : kg = 1;", ":: expected a name after `param`, found `:`; a name begins with a letter");
         refused("param 2m: kg = 1;", "2m: expected a name after `param`, found `2m`; a name begins with a letter");
+        refused(
+            "coord x[2][3]: m;",
+            "[: `coord` takes one index: `param` and `let` take two; write an array for each row, `x[n]` and `y[n]`, \
+             or one for all of them, `r[3*n]` with `r[3*i + k]`",
+        );
         refused("param a[1, 2]: m = 1;", ",: an index is one number; write `a[i][j]` for an element of a matrix");
         let value = "a value is a number, a name, a call `f(x)`, an array `[x, y, z]` or `( … )`";
         refused("param a[]: m = 1;", &format!("]: expected a value, found `]`; {value}"));
