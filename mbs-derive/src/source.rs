@@ -14,12 +14,17 @@
 //! assert_eq!(sources.names().collect::<Vec<_>>(), ["arms/arm.mbs", "shared/steel.mbs"]);
 //! ```
 
+mod insertion;
+
 use std::collections::BTreeMap;
 use std::fmt;
 use std::panic::Location;
 use std::path::{Component, Path};
 
 use crate::span::Span;
+
+use insertion::Edited;
+pub use insertion::{Insertion, Quote};
 
 /// All files of a mechanism together may be so long: offsets of tokens are 32 bits wide.
 pub(crate) const MAX_BYTES: usize = 1 << 26;
@@ -64,6 +69,8 @@ pub struct Sources {
     numbers: BTreeMap<String, usize>,
     /// In place of texts, the calls of a build script that wrote the mechanism: a span counts them.
     calls: Vec<Place>,
+    /// The text of the mechanism's own file before a program has put something into it.
+    edited: Option<Edited>,
 }
 
 /// Where a call was made that a mechanism is written by.
@@ -124,7 +131,7 @@ pub struct Unreadable {
 impl Sources {
     /// One text, with no files beside it: what it imports is not there.
     pub fn new(name: &str, text: &str) -> Self {
-        let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new(), calls: Vec::new() };
+        let mut sources = Sources { files: Vec::new(), numbers: BTreeMap::new(), calls: Vec::new(), edited: None };
         sources.push(name.to_string(), Ok(text.to_string()), Vec::new());
         sources
     }
@@ -146,6 +153,14 @@ impl Sources {
             sources.push(file.name.clone(), file.text.clone(), file.warnings.clone());
         }
         sources
+    }
+
+    /// The same files, with texts at places of the mechanism's own, of several at one place the last one first. Places in
+    /// them are [located](Self::locate) where they were written, and so are all others: in the file as it was.
+    #[must_use]
+    pub fn with_insertions(&self, insertions: Vec<(usize, Insertion)>) -> Self {
+        let (text, edited) = Edited::new(self.main().text.as_deref().unwrap_or_default(), insertions);
+        Sources { edited: Some(edited), ..self.with_text(&text) }
     }
 
     /// No text, but the calls that a mechanism was written by, in a file of this name.
@@ -265,6 +280,10 @@ impl Sources {
     pub fn locate(&self, span: &Span) -> (&str, &str, Span) {
         let number = self.files.partition_point(|file| file.start <= span.start).saturating_sub(1);
         let file = &self.files[number];
+        if let (0, Some(edited)) = (number, &self.edited) {
+            let (name, text, place) = edited.locate(span);
+            return (name.unwrap_or(&file.name), text, place);
+        }
         let text = file.text.as_deref().unwrap_or_default();
         (&file.name, text, span.start - file.start..span.end.saturating_sub(file.start))
     }

@@ -21,7 +21,7 @@ use mbs_derive::model::Unit;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
 use mbs_derive::parse::{Statement, StatementKind};
-use mbs_derive::source::Sources;
+use mbs_derive::source::{Insertion, Quote, Sources};
 use mbs_derive::variable::{Variable, component_names};
 
 use self::element::Kind;
@@ -58,6 +58,11 @@ impl Drive {
             None => Source::Formula(value.trim().to_string()),
         };
         Drive { name: element::column(name), given: name.to_string(), source }
+    }
+
+    /// A formula of it, as reports show it.
+    fn quoted(&self, option: &str, formula: &str) -> Quote {
+        Quote::all(&format!("{option} {}", self.given), formula)
     }
 
     /// The file of its table, if it is one.
@@ -135,7 +140,7 @@ impl Drives<'_> {
         let text = sources.main().text.clone().unwrap_or_default();
         // Those of a robot that it imports stand in a file of their own.
         let own = &declaration.statements[declaration.of_robots..];
-        let mut insertions: Vec<(usize, String)> = Vec::new();
+        let mut insertions: Vec<(usize, Insertion)> = Vec::new();
         let mut constants = format!("const {SECOND}: s = 1; ");
         for (name, value) in self.parameters {
             let (number, unit) = value.split_once(' ').unwrap_or((value, "1"));
@@ -152,14 +157,14 @@ impl Drives<'_> {
         }
         for known in &signals {
             let drives: Vec<&Drive> = self.signals.iter().filter(|drive| known.is_called(&drive.name)).collect();
-            let value = known.value_of(&drives).map_err(|reason| Failure::new(format_args!("{signal} {reason}")))?;
-            if let Some(value) = value {
-                insertions.push((known.end, format!(" = {value}")));
+            let value = known.value_of(&drives, signal);
+            if let Some(value) = value.map_err(|reason| Failure::new(format_args!("{signal} {reason}")))? {
+                insertions.push((known.end, value));
                 constants += &unit_constant(&known.name, &known.unit);
             }
         }
         let end = own.last().map_or_else(|| text.rfind('}').unwrap_or(0), |statement| statement.span.end);
-        let mut added = String::new();
+        let mut added = Insertion::default();
         let inputs = element::declared(&text, &declaration.statements, Kind::Input);
         for drive in self.inputs {
             let Source::Formula(formula) = &drive.source else { continue };
@@ -167,27 +172,28 @@ impl Drives<'_> {
             let Some(known) = inputs.iter().find(|known| known.is_called(&drive.name)) else { continue };
             check_formula(input, &drive.given, formula)?;
             let refused = |reason: String| Failure::new(format_args!("{input} {reason}"));
-            for (name, formula) in known.formulas_of(drive, formula).map_err(refused)? {
-                if added.contains(&format!(" output {} = ", formula_name(&name))) {
+            for (name, formula) in known.formulas_of(drive, drive.quoted(input, formula)).map_err(refused)? {
+                if added.text().contains(&format!(" output {} = ", formula_name(&name))) {
                     return Err(Failure::new(format_args!("{input} {name} is given twice")));
                 }
-                added += &outputs_in(&formula, &text, own, &added);
+                added.push(&outputs_in(formula.as_str(), &text, own, added.text()));
                 constants += &unit_constant(&name, &known.unit);
-                added += &format!(" output {} = {};", formula_name(&name), in_si_units(&formula, &name));
+                added.push(&format!(" output {} = ", formula_name(&name)));
+                added.append(in_si_units(&formula, &name));
+                added.push(";");
             }
         }
         for (number, formula) in self.watched.iter().enumerate() {
-            added += &outputs_in(formula, &text, own, &added);
-            added += &format!(" output {} = {formula};", formula_name(&number.to_string()));
+            added.push(&outputs_in(formula, &text, own, added.text()));
+            added.push(&format!(" output {} = ", formula_name(&number.to_string())));
+            added.quote(&Quote::all("formula", formula));
+            added.push(";");
         }
         insertions.push((end, added));
-        insertions.push((own.first().map_or(end, |statement| statement.span.start), constants));
-        insertions.sort_by_key(|(place, _)| std::cmp::Reverse(*place));
-        let mut changed = text;
-        for (place, addition) in insertions {
-            changed.insert_str(place, &addition);
-        }
-        Ok(sources.with_text(&changed))
+        let mut before = Insertion::default();
+        before.push(&constants);
+        insertions.push((own.first().map_or(end, |statement| statement.span.start), before));
+        Ok(sources.with_insertions(insertions))
     }
 
     /// What gives the inputs and signals of a mechanism that was declared [so](Self::declared).
@@ -304,22 +310,33 @@ fn unit_constant(name: &str, unit: &str) -> String {
 }
 
 /// A formula that names nothing but t with its numbers in SI units; any other as it is.
-fn in_si_units(formula: &str, name: &str) -> String {
+fn in_si_units(formula: &Quote, name: &str) -> Insertion {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let (mut changed, mut rest) = (String::new(), formula);
-    while let Some(c) = rest.chars().next() {
+    let (mut whole, mut changed) = (Insertion::default(), Insertion::default());
+    whole.quote(formula);
+    changed.push(&format!("unit_of_{name}*("));
+    let (text, mut at) = (formula.as_str(), 0);
+    while let Some(c) = text[at..].chars().next() {
+        let rest = &text[at..];
         let length = if is_part(c) { rest.find(|c| !is_part(c)).unwrap_or(rest.len()) } else { c.len_utf8() };
         let (word, behind) = rest.split_at(length);
         let is_name = word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         let is_known = matches!(word, "pi" | "deg" | "if" | "else") || behind.trim_start().starts_with('(');
-        match word {
-            "t" => changed += &format!("(t/{SECOND})"),
-            _ if is_name && !is_known => return formula.to_string(),
-            _ => changed += word,
+        if is_name && !is_known && word != "t" {
+            return whole;
         }
-        rest = behind;
+        let written = formula.slice(at..at + length);
+        if word == "t" {
+            changed.push("(");
+            changed.quote(&written);
+            changed.push(&format!("/{SECOND})"));
+        } else {
+            changed.quote(&written);
+        }
+        at += length;
     }
-    format!("unit_of_{name}*({changed})")
+    changed.push(")");
+    changed
 }
 
 /// The function of an input's formula: a number of its unit, that no input enters.
@@ -372,8 +389,12 @@ fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure>
         let reason = "a formula has no comment; leave out what stands behind `//`";
         return Err(Failure::new(format_args!("{option} {name}: {reason}")));
     }
-    let text = format!("mechanism Formula {{ let value = {formula}; }}");
-    let sources = Sources::new(&format!("{option} {name}"), &text);
+    let name_of_all = format!("{option} {name}");
+    let mut text = Insertion::default();
+    text.push("mechanism Formula { let value = ");
+    text.quote(&Quote::all(&name_of_all, formula));
+    text.push("; }");
+    let sources = Sources::new(&name_of_all, "").with_insertions(vec![(0, text)]);
     let declaration = parse::declaration_of(&sources).map_err(|errors| Messages::of(&errors, &sources))?;
     match declaration.statements.len() {
         1 => Ok(()),
@@ -426,7 +447,9 @@ mod tests {
 
     #[test]
     fn formulas_of_time_alone_are_in_si_units() {
-        let check = |formula: &str, expected: &str| assert_eq!(in_si_units(formula, "push"), expected);
+        let check = |formula: &str, expected: &str| {
+            assert_eq!(in_si_units(&Quote::all("--input push", formula), "push").text(), expected);
+        };
         check("2*sin(3*t)", "unit_of_push*(2*sin(3*(t/second_of_formulas)))");
         check("1.5e-3", "unit_of_push*(1.5e-3)");
         check(

@@ -381,3 +381,30 @@ fn states_by_name() {
     bad(r#"{"x": [1]}"#, "\"x\" must hold 2 numbers (x_0, x_1), found 1");
     bad(r#"{"x_0_dot": 1}"#, "\"q\" is missing: 2 numbers (x_0, x_1), or one of them by its name");
 }
+
+/// Nothing is shown that the user has not written.
+#[test]
+fn mistakes_in_formulas_are_underlined_in_what_was_given() {
+    let workshop = workshop();
+    let shown = |option: &str, formula: &str, rest: [&str; 2]| {
+        workshop.bad(&[RUN.as_slice(), &rest, &[option, formula]].concat())
+    };
+    let (wall, push) = (["--signal", "wall=0"], ["--input", "push=0"]);
+    for (formula, place) in [
+        ("push=2*foo(t)", "1:3\n  |\n1 | 2*foo(t)\n  |   ^^^\n"),
+        ("push= 2*t + b", "1:7\n  |\n1 | 2*t + b\n  |       ^\n"),
+        ("push=place + k", "1:9\n  |\n1 | place + k\n  |         ^\n"),
+        ("push=2*sin(t", "1:6\n  |\n1 | 2*sin(t\n  |      ^\n"),
+    ] {
+        let report = shown("--input", formula, wall);
+        assert!(report.contains(&format!(" --> --input push:{place}")), "{report}");
+        assert!(!report.contains("formula_of") && !report.contains("unit_of"), "{report}");
+    }
+    let report = shown("--signal", "wall=k*t", push);
+    assert!(report.contains(" --> --signal wall:1:1\n  |\n1 | k*t\n  | ^^^\n"), "{report}");
+    // A mistake of the mechanism's own.
+    workshop.write("shaken.mbs", SHAKEN.replace("force x += push", "force x += pusch"));
+    let report = shown("--input", "push=2", wall);
+    assert!(report.contains("--> shaken.mbs:10:16\n"), "{report}");
+    assert!(report.contains("|     force x += pusch;\n"), "{report}");
+}

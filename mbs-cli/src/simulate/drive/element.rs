@@ -1,8 +1,10 @@
 //! Elements of arrays: `road[0]` as it is declared, `road_0` as it is called in tables.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use mbs_derive::parse::{Statement, StatementKind};
+use mbs_derive::source::{Insertion, Quote};
 use mbs_derive::variable::Variable;
 
 use super::{Drive, Source, in_si_units};
@@ -98,31 +100,35 @@ impl Declared {
     }
 
     /// What a formula gives, by components: itself, or the elements of `[…, …]` of an array as a whole.
-    pub(super) fn formulas_of(&self, drive: &Drive, formula: &str) -> Result<Vec<(String, String)>, String> {
+    pub(super) fn formulas_of(&self, drive: &Drive, formula: Quote) -> Result<Vec<(String, Quote)>, String> {
         let name = &self.name;
         if !self.is_array || *name != drive.name {
-            return Ok(vec![(drive.name.clone(), formula.to_string())]);
+            return Ok(vec![(drive.name.clone(), formula)]);
         }
-        let Some(elements) = elements(formula) else {
+        let Some(elements) = elements(formula.as_str()) else {
             let help = format!("write `{name}_0=…`, `{name}_1=…`, or `{name}=[…, …]`");
             return Err(format!("{name}: `{name}` is an array, whose elements have a formula each: {help}"));
         };
         if let Some(length) = self.length.filter(|length| *length != elements.len()) {
             return Err(format!("{name}: `{name}` has {length} elements, this has {}", elements.len()));
         }
-        Ok((0..).zip(elements).map(|(i, formula): (usize, _)| (format!("{name}_{i}"), formula)).collect())
+        let of = |(i, part): (usize, _)| (format!("{name}_{i}"), formula.slice(part));
+        Ok((0..).zip(elements).map(of).collect())
     }
 
-    /// The value of the statement of a signal, from what gives it and its elements; none where no formula does.
-    pub(super) fn value_of(&self, drives: &[&Drive]) -> Result<Option<String>, String> {
+    /// ` = value` for the statement of a signal, from what gives it and its elements by an option; none where no formula
+    /// does.
+    pub(super) fn value_of(&self, drives: &[&Drive], option: &str) -> Result<Option<Insertion>, String> {
         let name = &self.name;
-        let mut formulas: BTreeMap<usize, String> = BTreeMap::new();
+        let mut value = Insertion::default();
+        value.push(" = ");
+        let mut formulas: BTreeMap<usize, Insertion> = BTreeMap::new();
         for drive in drives {
             let Source::Formula(formula) = &drive.source else { continue };
             if self.has_value {
                 return Err(format!("{}: `{name}` is declared by a formula already", drive.given));
             }
-            for (component, formula) in self.formulas_of(drive, formula)? {
+            for (component, formula) in self.formulas_of(drive, drive.quoted(option, formula))? {
                 let number = self.element(&component).unwrap_or(0);
                 if formulas.insert(number, in_si_units(&formula, name)).is_some() {
                     return Err(format!("{component} is given twice"));
@@ -133,7 +139,8 @@ impl Declared {
             return Ok(None);
         }
         if !self.is_array {
-            return Ok(formulas.into_values().next());
+            formulas.into_values().take(1).for_each(|formula| value.append(formula));
+            return Ok(Some(value));
         }
         if drives.iter().any(|drive| matches!(drive.source, Source::Table(_))) {
             let help = "put the table in a formula: `import` it in the mechanism, and write `table_monotone(t, …)`";
@@ -143,27 +150,38 @@ impl Declared {
         if let Some(missing) = (0..count).find(|number| !formulas.contains_key(number)) {
             return Err(format!("{name}: formulas give all elements of an array: write `{name}_{missing}=…`, too"));
         }
-        Ok(Some(format!("[{}]", formulas.into_values().collect::<Vec<_>>().join(", "))))
+        for (i, formula) in formulas.into_values().enumerate() {
+            value.push(if i == 0 { "[" } else { ", " });
+            value.append(formula);
+        }
+        value.push("]");
+        Ok(Some(value))
     }
 }
 
-/// The elements of `[…, …]`; none of anything else.
-fn elements(formula: &str) -> Option<Vec<String>> {
-    let inner = formula.trim().strip_prefix('[')?.strip_suffix(']')?;
-    let (mut depth, mut parts) = (0_usize, vec![String::new()]);
-    for c in inner.chars() {
+/// Where the elements of `[…, …]` stand; none of anything else.
+fn elements(formula: &str) -> Option<Vec<Range<usize>>> {
+    let begin = formula.find('[').filter(|&at| formula[..at].trim().is_empty())? + 1;
+    let end = formula.rfind(']').filter(|&at| at >= begin && formula[at + 1..].trim().is_empty())?;
+    let (mut depth, mut parts) = (0_usize, vec![begin..end]);
+    for (at, c) in formula[begin..end].char_indices() {
         match c {
             '(' | '[' | '{' => depth += 1,
             // `[a, b] + [c, d]`
             ')' | ']' | '}' => depth = depth.checked_sub(1)?,
+            ',' if depth == 0 => {
+                parts.last_mut()?.end = begin + at;
+                parts.push(begin + at + 1..end);
+            }
             _ => {}
         }
-        match parts.last_mut() {
-            Some(part) if c != ',' || depth > 0 => part.push(c),
-            _ => parts.push(String::new()),
-        }
     }
-    let parts: Vec<String> = parts.into_iter().map(|part| part.trim().to_string()).collect();
+    let trimmed = |part: Range<usize>| {
+        let text = &formula[part.clone()];
+        let start = part.start + text.len() - text.trim_start().len();
+        start..start + text.trim().len()
+    };
+    let parts: Vec<Range<usize>> = parts.into_iter().map(trimmed).collect();
     parts.iter().all(|part| !part.is_empty()).then_some(parts)
 }
 
@@ -180,9 +198,13 @@ mod tests {
 
     #[test]
     fn elements_of_an_array_are_told_from_sums_of_arrays() {
-        let of = |formula: &str| elements(formula).map(|parts| parts.join("|"));
+        let of = |formula: &str| {
+            let parts = elements(formula)?;
+            Some(parts.into_iter().map(|part| &formula[part]).collect::<Vec<_>>().join("|"))
+        };
         assert_eq!(of("[a, max(b, c)]").as_deref(), Some("a|max(b, c)"));
         assert_eq!(of("[a, b] + [c, d]"), None);
+        assert_eq!(of(" [ a ,b ] ").as_deref(), Some("a|b"));
         assert_eq!(of("2*a"), None);
         assert_eq!(of("[a, ]"), None);
     }
