@@ -59,7 +59,10 @@ impl<'g> Expr<'g> {
                 size.power(HalfInteger(inner.0 / 2 * halves))
             }
             (Node::Call(Function::Abs, a), halves) if halves % 4 == 0 => graph.expr(a).power(n),
-            (Node::Mul(c, x), halves) if halves % 2 == 0 && graph.is_constant(c) => {
+            // Not where that has no finite power: it would be ∞·0 at x = 0.
+            (Node::Mul(c, x), halves)
+                if halves % 2 == 0 && graph.expr(c).as_constant().is_some_and(|c| c.kept_power(halves).is_some()) =>
+            {
                 graph.expr(c).power(n) * graph.expr(x).power(n)
             }
             _ => graph.intern(Node::Power(self.id, n)),
@@ -183,6 +186,18 @@ mod tests {
             assert!(matches!(power.node(), Node::Power(_, n) if n.0.abs() <= LARGEST_EXPONENT), "{power}");
         }
         assert_eq!((x + 1).powi(-10).powi(10), (x + 1).powi(-100));
+    }
+
+    /// `(10^160 x)²` is 0 at x = 0; `10^320 x²` would be ∞·0.
+    #[test]
+    fn factors_stay_where_their_powers_are_not_finite() {
+        let graph = Graph::new();
+        let [x, ..] = symbols(&graph);
+        let [large, small] = [1e160, 1e-160].map(|value| graph.constant(Number::of_double(value)));
+        for power in [(large * x).powi(2), (small * x).powi(-2)] {
+            assert!(matches!(power.node(), Node::Power(..)), "{power}");
+        }
+        assert!(matches!((2 * x).powi(2).node(), Node::Mul(..)));
     }
 
     #[test]
