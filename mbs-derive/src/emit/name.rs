@@ -92,6 +92,24 @@ pub(super) fn ident(name: &str) -> Ident {
     }
 }
 
+/// A name with a prefix where a language has another meaning for it, and where it reads like a name with that prefix:
+/// different names stay different.
+pub(super) fn prefixed(name: &str, prefix: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    let mut rest = Some(name);
+    while let Some(inner) = rest {
+        if is_taken(inner) {
+            return format!("{prefix}{name}");
+        }
+        rest = inner.strip_prefix(prefix);
+    }
+    name.to_string()
+}
+
+/// A name with a number behind it where something else has it, and where it reads like such a name.
+pub(super) fn second(name: &str, taken: &[&str]) -> String {
+    if taken.contains(&name.trim_end_matches("_2")) { format!("{name}_2") } else { name.to_string() }
+}
+
 /// `CartPole` → `cart_pole`, `Arm6` → `arm6`, `NPendulum` → `n_pendulum`, `SCARA` → `scara`.
 pub(super) fn snake_case(name: &str) -> String {
     let letters: Vec<char> = name.chars().collect();

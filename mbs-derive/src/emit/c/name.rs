@@ -1,5 +1,7 @@
 //! Identifiers that C, C++, OpenCL C and CUDA leave to a header.
 
+use super::super::name::prefixed;
+
 /// Keywords of C and C++, and what functions of a header have names for: a local or a field of such a name gets
 /// another.
 const TAKEN: &[&str] = &[
@@ -458,20 +460,18 @@ fn is_macro(name: &str) -> bool {
 
 /// The identifier for a name of Rust.
 pub(super) fn identifier(name: &str) -> String {
-    let plain = name.strip_prefix("r#").unwrap_or(name);
+    prefixed(name.strip_prefix("r#").unwrap_or(name), "c_", is_taken)
+}
+
+fn is_taken(plain: &str) -> bool {
     let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
     let is_reserved = begins(&["MBS_", "CL_", "CLK_", "_"]) || plain.contains("__") || is_macro(plain);
     let is_vector = |length: &&str| plain.strip_suffix(*length).is_some_and(|element| ELEMENTS.contains(&element));
-    if is_reserved
+    is_reserved
         || LENGTHS.iter().any(is_vector)
         || TAKEN.contains(&plain)
         || begins(&["mbs_", "by_q"])
         || plain == "by_u"
-    {
-        format!("c_{plain}")
-    } else {
-        plain.to_string()
-    }
 }
 
 /// What names of a mechanism begin with, and its struct is called.
@@ -507,6 +507,9 @@ mod tests {
         }
         // Macros of <complex.h>.
         assert_eq!(["complex", "imaginary"].map(prefix), ["c_complex", "c_imaginary"]);
+        // And what would be called like one of them.
+        let names = ["q", "c_q", "c_c_q", "double", "c_double", "c_mass"].map(identifier);
+        assert_eq!(names, ["c_q", "c_c_q", "c_c_c_q", "c_double", "c_c_double", "c_mass"]);
         for name in ["E", "EI", "Ex", "INTake", "L_max", "mass", "M", "F_D"] {
             assert_eq!(identifier(name), name);
         }

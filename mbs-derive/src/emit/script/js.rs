@@ -4,6 +4,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::name::{prefixed, second};
 use super::super::rolled::Loops;
 use super::super::walk::{
     Argued, Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, block_comment, defaults, if_else, indented,
@@ -36,8 +37,10 @@ pub(super) struct Js;
 impl Syntax for Js {
     fn identifier(&self, name: &str) -> String {
         let plain = plain(name);
-        let is_taken = plain.starts_with("mbs_") || plain.contains("__") || TAKEN.split(' ').any(|word| word == plain);
-        if is_taken && plain != "t" { format!("js_{plain}") } else { plain }
+        prefixed(&plain, "js_", |plain| {
+            let is_taken = TAKEN.split(' ').any(|word| word == plain) && plain != "t";
+            is_taken || plain.starts_with("mbs_") || plain.contains("__")
+        })
     }
 
     fn constant(&self, value: f64) -> String {
@@ -126,12 +129,12 @@ pub(in crate::emit) fn identifiers(walk: &Walk<'_>) -> Identifiers {
 
 /// The name of a method.
 fn member(name: &str) -> String {
-    if name == "constructor" { "constructor_2".to_string() } else { name.to_string() }
+    second(name, &["constructor"])
 }
 
 /// Any name is a property's, but one.
 fn field(name: &str) -> String {
-    if name == "__proto__" { format!("js_{name}") } else { name.to_string() }
+    prefixed(name, "js_", |name| name == "__proto__")
 }
 
 fn tables(walk: &Walk<'_>) -> String {

@@ -6,6 +6,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::name::{prefixed, second};
 use super::super::rolled::Loops;
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, if_else, plain};
 use super::super::{Identifiers, Options, doc};
@@ -48,8 +49,11 @@ fn is_keyword(name: &str) -> bool {
 
 /// The name of a field.
 fn member(name: &str) -> String {
-    let is_taken = name.starts_with('_') || is_keyword(name);
-    shortened(if is_taken { format!("m_{name}") } else { name.to_string() })
+    shortened(prefixed(name, "m_", is_no_member))
+}
+
+fn is_no_member(name: &str) -> bool {
+    name.starts_with('_') || is_keyword(name)
 }
 
 /// MATLAB's names have no more letters.
@@ -75,9 +79,10 @@ pub(super) struct Matlab;
 impl Syntax for Matlab {
     fn identifier(&self, name: &str) -> String {
         let plain = plain(name);
-        let begins = |starts: &[&str]| starts.iter().any(|start| plain.starts_with(start));
-        let is_taken = begins(&["mbs_", "by_q"]) || plain == "by_u" || TAKEN.split(' ').any(|word| word == plain);
-        if is_taken { shortened(format!("m_{plain}")) } else { member(&plain) }
+        shortened(prefixed(&plain, "m_", |plain| {
+            let begins = ["mbs_", "by_q"].iter().any(|start| plain.starts_with(start));
+            begins || plain == "by_u" || TAKEN.split(' ').any(|word| word == plain) || is_no_member(plain)
+        }))
     }
 
     fn constant(&self, value: f64) -> String {
@@ -222,8 +227,7 @@ fn field(routine: &Routine) -> String {
 }
 
 fn field_name(name: &str) -> String {
-    let name = member(name);
-    if ["coordinates", "inputs"].contains(&name.as_str()) { format!("{name}_2") } else { name }
+    second(&member(name), &["coordinates", "inputs"])
 }
 
 /// What the function is called in the file, where it must not hide one of the library.

@@ -4,6 +4,7 @@ use crate::optimise::Derivation;
 use crate::shape::Shape;
 use crate::variable::component_names;
 
+use super::super::name::{prefixed, second};
 use super::super::rolled::Loops;
 use super::super::walk::{Ending, Motion, Place, Routine, Side, Sizes, Syntax, Walk, defaults, indented, plain};
 use super::super::{Identifiers, Options, doc};
@@ -57,15 +58,16 @@ fn is_keyword(name: &str) -> bool {
 
 /// The name of a method or of a parameter.
 fn member(name: &str) -> String {
-    if name.starts_with('_') || is_keyword(name) { format!("py_{name}") } else { name.to_string() }
+    prefixed(name, "py_", is_no_member)
+}
+
+fn is_no_member(name: &str) -> bool {
+    name.starts_with('_') || is_keyword(name)
 }
 
 /// The name of a method, where others are of the class, or its decorators read them there.
 fn method_name(name: &str) -> String {
-    match name {
-        "coordinates" | "inputs" | "np" => format!("{name}_2"),
-        name => member(name),
-    }
+    second(&member(name), &["coordinates", "inputs", "np"])
 }
 
 /// What a text calls things.
@@ -94,8 +96,10 @@ pub(super) struct Python;
 impl Syntax for Python {
     fn identifier(&self, name: &str) -> String {
         let plain = plain(name);
-        let is_taken = plain.starts_with("mbs_") || TAKEN.split(' ').any(|word| word == plain);
-        if is_taken && plain != "t" { format!("py_{plain}") } else { member(&plain) }
+        prefixed(&plain, "py_", |plain| {
+            let is_taken = TAKEN.split(' ').any(|word| word == plain) && plain != "t";
+            is_taken || plain.starts_with("mbs_") || is_no_member(plain)
+        })
     }
 
     fn constant(&self, value: f64) -> String {

@@ -276,3 +276,19 @@ fn names_that_are_taken_are_read_as_others() {
         }
     }
 }
+
+/// `c_q` is what C calls a coordinate `q`, and a coordinate of this name beside it another.
+#[test]
+fn names_that_read_like_others_are_told_apart() {
+    let text = "#![dimensionless] mechanism Namesakes { param k: 1 = 2; param py_in: 1 = 3;
+        coord q: 1; coord c_q: 1; coord js_q: 1; coord py_q: 1; coord m_q: 1;
+        kinetic += (dt(q)^2 + dt(c_q)^2 + dt(js_q)^2 + dt(py_q)^2 + dt(m_q)^2)/2;
+        potential += k*q^2*c_q + q*js_q^2*py_in + q*py_q^3 + q*m_q^4;
+        output coordinates = q; output coordinates_2 = c_q; }";
+    let derivation = derived(std::path::Path::new("namesakes.mbs"), text.to_string());
+    for language in others() {
+        let options = Options::default();
+        let text = language.write(&derivation, "namesakes.mbs", &options);
+        derivation.proofread(language, &options, &text).unwrap_or_else(|fault| panic!("{}: {fault}", language.name()));
+    }
+}
