@@ -163,7 +163,8 @@ impl Declared {
 fn elements(formula: &str) -> Option<Vec<Range<usize>>> {
     let begin = formula.find('[').filter(|&at| formula[..at].trim().is_empty())? + 1;
     let end = formula.rfind(']').filter(|&at| at >= begin && formula[at + 1..].trim().is_empty())?;
-    let (mut depth, mut parts) = (0_usize, vec![begin..end]);
+    let mut depth = 0_usize;
+    let mut parts: Vec<Range<usize>> = std::iter::once(begin..end).collect();
     for (at, c) in formula[begin..end].char_indices() {
         match c {
             '(' | '[' | '{' => depth += 1,
