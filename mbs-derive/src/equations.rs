@@ -35,7 +35,7 @@ pub enum Route {
     Structured,
     /// By sweeps, accelerations too: by articulated bodies instead of a factorization of M.
     Articulated,
-    /// By sweeps, the derivatives of inverse and forward dynamics too: from composite bodies instead of differentiation.
+    /// By sweeps, derivatives of the dynamics too: from composite bodies instead of by differentiation.
     Recursive,
     /// By sweeps, every mass left where it was declared; for comparison.
     Ungrouped,
@@ -101,7 +101,7 @@ pub(crate) struct Equations<'g> {
     pub forward_dynamics: ForwardDynamics<'g>,
     /// Derivatives of the dynamics, by differentiation.
     pub derivatives: Derivatives<'g>,
-    /// The same by recursion, where that is another way.
+    /// Those by recursion, where that is another way.
     pub recursive: Option<Derivatives<'g>>,
     /// Rows of constraints.
     pub constraints: Constraints<'g>,

@@ -1,8 +1,8 @@
 //! Derivatives of inverse dynamics by the displacements and rates of joints, from composite bodies.
 //!
-//! With `T_b` the pose of a body as a 4 × 4 matrix, `P_b` its pseudo-inertia, and in the frame of a joint its unit twist
-//! S, the twist V of its link and `U = V̇ + V²`, by which points accelerate, `τ_a = Σ_b tr(∂_a T_b P_b T̈_bᵀ)`. Since
-//! `∂_d T_b = S_d T_b`, and `∂_d T̈_b`, `∂T̈_b/∂ṡ_d` are the second rate of that and twice its rate,
+//! With `T_b` the pose of a body as a 4 × 4 matrix, `P_b` its pseudo-inertia, and in the frame of a joint its unit
+//! twist S, the twist V of its link and `U = V̇ + V²`, by which points accelerate, `τ_a = Σ_b tr(∂_a T_b P_b T̈_bᵀ)`.
+//! Since `∂_d T_b = S_d T_b`, and `∂_d T̈_b`, `∂T̈_b/∂ṡ_d` are the second rate of that and twice its rate,
 //!
 //! ```text
 //! ∂τ_a/∂s_d = S_a · wrench((U S − S U) P + 2 Ṡ Π + S Q + Q Sᵀ)       for every joint a from d to the base

@@ -14,7 +14,7 @@ pub(super) struct Twist<'g> {
     pub(super) linear: Vector<'g>,
 }
 
-/// Of every link; the base rests.
+/// Velocities of every link; the base rests.
 pub(super) fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
     let mut twists = vec![Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) }];
     for (link, joint) in linkage.links.iter().zip(linkage.joints()).skip(1) {
@@ -27,8 +27,8 @@ pub(super) fn twists<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>
     twists
 }
 
-/// The same, but for what all links beyond have in common because the base slides along directions that are fixed in
-/// the world.
+/// Velocities of every link without what all links beyond it have in common because the base slides along directions
+/// that are fixed in the world.
 pub(super) fn twists_on_slides<'g>(linkage: &Linkage<'g>, zero: Expr<'g>) -> Vec<Twist<'g>> {
     let rest = Twist { angular: Vector([zero; 3]), linear: Vector([zero; 3]) };
     let mut twists = vec![rest];

@@ -44,7 +44,7 @@ impl<'g> Wrench<'g> {
         }
     }
 
-    /// So many times this one.
+    /// Its force and its couple multiplied by a number.
     pub(super) fn scale(self, s: Expr<'g>) -> Self {
         Wrench::new(self.force.scale(s), self.couple.scale(s))
     }
