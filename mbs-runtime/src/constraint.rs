@@ -182,20 +182,40 @@ impl<T: Real, S: AsMut<[T]>> Projector<T, S> {
         C: Constraints<T>,
         V: Coordinates<Scalar = T>,
     {
+        self.assemble_separately(constraints, t, state, &held, &held)
+    }
+
+    /// Finds a state that satisfies the constraints from a guess of which some coordinates are held, and the velocities
+    /// of others; else it is [`assemble`](Self::assemble).
+    ///
+    /// # Errors
+    /// As [`assemble`](Self::assemble); `state` is then as it was.
+    pub fn assemble_separately<C, V>(
+        &mut self,
+        constraints: &C,
+        t: f64,
+        state: &mut State<V>,
+        held: impl Fn(usize) -> bool,
+        held_velocities: impl Fn(usize) -> bool,
+    ) -> Result<(), ConstraintError>
+    where
+        C: Constraints<T>,
+        V: Coordinates<Scalar = T>,
+    {
         let t = T::from_f64(t);
         let n = state.q.as_slice().len();
         let mut work = Workspace::new(self.memory.as_mut(), n, constraints.rows());
         work.q.copy_from_slice(state.q.as_slice());
         work.close(constraints, t, &held)?;
         work.qd.copy_from_slice(state.qd.as_slice());
-        if (0..n).any(&held) {
+        if (0..n).any(|i| held(i) || held_velocities(i)) {
             // Rows that depend on others because of what is held may still be satisfied.
-            work.slow(constraints, t, &held, RedundantRows::LeaveOut)?;
+            work.slow(constraints, t, &held_velocities, RedundantRows::LeaveOut)?;
             work.linearize(constraints, t, &|_| false, |_| true)?;
             work.residual.iter_mut().for_each(|x| *x = T::zero());
             work.least_change(self.redundant_rows, |_| true)?;
         } else {
-            work.slow(constraints, t, &held, self.redundant_rows)?;
+            work.slow(constraints, t, &held_velocities, self.redundant_rows)?;
         }
         if !work.q.iter().chain(&*work.qd).all(|x| x.is_finite()) {
             return Err(ConstraintError::NonFinite);

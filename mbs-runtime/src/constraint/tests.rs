@@ -165,6 +165,18 @@ fn held_coordinates_stay() {
     assert_eq!([state.q[0], state.q[2], state.qd[0], state.qd[2]], [0.1, 0.8, 1.0, 0.5]);
 }
 
+/// A position and the velocity of another coordinate.
+#[test]
+fn positions_and_velocities_are_held_separately() {
+    let rod = Rod { twice: false, misfit: 0.0 };
+    let mut state = GUESS;
+    let mut projector = Projector::new([0.0; MEMORY]);
+    projector.assemble_separately(&rod, 0.2, &mut state, |i| i == 2, |i| i == 0).unwrap();
+    assert!(largest(&rod, 0.2, &state) < 1e-15, "{state:?}");
+    assert_eq!([state.q[2], state.qd[0]], [0.8, 1.0]);
+    assert!(state.q[0] != 0.1 && state.qd[2] != 0.5, "{state:?}");
+}
+
 /// Where both rods would be of the same direction, Newton's method has no direct way.
 #[test]
 fn a_guess_where_rows_depend_on_each_other_will_do() {
