@@ -45,6 +45,11 @@ impl<'a, 't> Section<'a, 't> {
         self.known.push(key.to_string());
         self.entries.iter().find(|(own, _)| own.value == key).map(|(_, value)| *value)
     }
+
+    /// Whether a key, which is known already, is there.
+    fn has(&self, key: &str) -> bool {
+        self.entries.iter().any(|(own, _)| own.value == key)
+    }
 }
 
 impl Reader {
@@ -280,7 +285,7 @@ impl Reader {
         let redundant = section.get("redundant").and_then(|value| self.text(value));
         let until = section.get("until").and_then(|value| self.crossing(value));
         let span = section.span.clone();
-        let is_missing = section.get("duration").is_none();
+        let is_missing = !section.has("duration");
         self.finish(section);
         if is_missing {
             return self.fault(Fault::with_help(span, "`duration` is missing", "`duration = \"10 s\"`, for example"));
@@ -296,7 +301,7 @@ impl Reader {
         let mut section = self.table(value)?;
         let formula = section.get("zero").and_then(|value| self.text(value));
         let direction = section.get("direction").and_then(|value| self.direction(value)).unwrap_or_default();
-        let (span, is_missing) = (section.span.clone(), section.get("zero").is_none());
+        let (span, is_missing) = (section.span.clone(), !section.has("zero"));
         self.finish(section);
         if is_missing {
             return self.fault(Fault::new(span, "`zero` is missing, the formula that passes zero"));
