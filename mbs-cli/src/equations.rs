@@ -81,6 +81,13 @@ impl<'d> Equations<'d> {
         self.start.t
     }
 
+    /// From another state, with the same time and inputs.
+    pub(crate) fn starting_from(mut self, motion: Motion) -> Self {
+        self.start.q = motion.q;
+        self.start.qd = motion.qd;
+        self
+    }
+
     /// Where the motion starts.
     pub(crate) fn start(&self) -> Motion {
         Motion::new(self.start.q.clone(), self.start.qd.clone())

@@ -122,7 +122,7 @@ fn start(arguments: &Arguments, derivation: &Derivation) -> Result<Point, Failur
     if !derivation.constraints.is_empty() {
         let equations = Equations::new(derivation, &point)?;
         let mut motion = equations.start();
-        let held = vec![false; derivation.dof()];
+        let held = assembly::Held::nothing(derivation.dof());
         let moved =
             assembly::assemble(&equations, &mut motion, &held, RedundantRows::LeaveOut).map_err(Failure::new)?;
         moved.iter().for_each(output::warn);

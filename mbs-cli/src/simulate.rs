@@ -36,6 +36,7 @@ use mbs_derive::optimise::Derivation;
 use mbs_derive::source::Sources;
 use mbs_derive::variable::component_names;
 
+use assembly::Held;
 use drive::{Drive, Drives};
 use method::{Accuracy, MOST_STEPS, Method};
 use motion::{Drift, Motion, Settings};
@@ -291,21 +292,12 @@ fn warn_of_idle_options(arguments: &Arguments, derivation: &Derivation) {
     }
 }
 
-/// Which coordinates are named: an array's name stands for all of its components.
-fn held(names: &[String], derivation: &Derivation) -> Result<Vec<bool>, Failure> {
-    let components = component_names(&derivation.coordinates);
-    let mut held = vec![false; components.len()];
-    for name in names {
-        let range =
-            derivation.coordinates.iter().find(|variable| variable.name == *name).map(|v| v.first..v.first + v.count());
-        let one = || components.iter().position(|component| component == name).map(|i| i..i + 1);
-        let Some(range) = range.or_else(one) else {
-            let hint = state::hint(name, &components, "coordinates");
-            return Err(Failure::new(format_args!("--hold: there is no coordinate `{name}`{hint}")));
-        };
-        held[range].fill(true);
-    }
-    Ok(held)
+/// What `--hold` names.
+fn held(names: &[String], derivation: &Derivation) -> Result<Held, Failure> {
+    Held::named(names.iter().map(String::as_str), derivation, "--hold").map_err(|number| {
+        let hint = state::hint(&names[number], &component_names(&derivation.coordinates), "coordinates");
+        Failure::new(format_args!("--hold: there is no coordinate `{}`{hint}", names[number]))
+    })
 }
 
 /// Files bear their names only after all have been written.

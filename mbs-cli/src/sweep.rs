@@ -3,6 +3,7 @@
 //! - [`study`]: a plan and its mechanism, and what is wrong with either;
 //! - [`names`]: the variables that a plan may fix or vary;
 //! - [`gathering`]: what is taken of each motion;
+//! - [`start`]: what constraints leave of the state that a member is to start with;
 //! - [`ranks`]: processes that MPI has started.
 //!
 //! What all of them say together is a `Summary`.
@@ -10,6 +11,7 @@
 mod gathering;
 mod names;
 mod ranks;
+mod start;
 mod study;
 
 use std::io::{self, IsTerminal};
@@ -126,6 +128,7 @@ fn run_with(arguments: &Arguments, cache: &Cache, ranks: Option<&Ranks>) -> Resu
             compile(&mut study, arguments.compiler.as_deref(), cache);
         }
         done = integrate(&sweep, &study, share, threads)?;
+        study.moved_starts().iter().for_each(output::warn);
     }
     let is_left_to_others = match ranks {
         Some(ranks) => {

@@ -156,6 +156,8 @@ pub struct Motion {
     pub max_step: Option<Located<Amount>>,
     /// `redundant = "least-norm"`: what is done about constraints that depend on others; they are refused without.
     pub redundant: Option<Located<String>>,
+    /// `hold = ["crank"]`: coordinates that keep their first positions and velocities where others follow from them.
+    pub hold: Option<Vec<Located<String>>>,
     /// `until = { zero = "height", direction = "falling" }`: what ends it before.
     pub until: Option<Crossing>,
 }

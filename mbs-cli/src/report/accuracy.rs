@@ -6,6 +6,7 @@ use mbs_derive::optimise::Derivation;
 use mbs_runtime::RedundantRows;
 
 use crate::failure::Failure;
+use crate::simulate::assembly::Held;
 use crate::simulate::drive::Driven;
 use crate::simulate::method::{Accuracy, Method};
 use crate::simulate::motion::{Drift, Motion, Settings};
@@ -46,7 +47,7 @@ pub(super) fn motion(derivation: &Derivation, start: &Point, seconds: f64) -> Re
         accuracy: Accuracy { relative: 1e-10, absolute: 1e-12, step, longest: step, most_steps: MOST_STEPS },
         drift: Drift::Projected,
         redundant_rows: RedundantRows::LeaveOut,
-        held: vec![false; derivation.dof()],
+        held: Held::nothing(derivation.dof()),
     };
     Motion::integrate(derivation, start, &times, &settings, Driven::default(), &Recorder::new(derivation, &[]))
 }

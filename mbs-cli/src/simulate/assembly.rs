@@ -1,6 +1,7 @@
 //! A first state on the constraints, and what there is to say where there is none.
 
-use mbs_derive::optimise::FunctionKind;
+use mbs_derive::optimise::{Derivation, FunctionKind};
+use mbs_derive::variable::component_names;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::equations::{Equations, Motion};
@@ -9,21 +10,85 @@ use crate::words::abridged;
 /// A change of a coordinate by less than this, relative to 1 or its size, is rounding of the input.
 const NOTICEABLE: f64 = 1e-9;
 
-/// Brings the state onto the constraints, those coordinates excepted that are held; what there is to say where that is
-/// more than rounding.
+/// What stays as given while a first state is brought onto the constraints.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Held {
+    /// Of each coordinate, whether its position stays.
+    pub(crate) positions: Vec<bool>,
+    /// Of each coordinate, whether its velocity stays.
+    pub(crate) velocities: Vec<bool>,
+    /// How the user says what stays: an option, or a key of a plan.
+    pub(crate) by: &'static str,
+}
+
+impl Held {
+    /// Nothing of this many coordinates.
+    pub(crate) fn nothing(count: usize) -> Self {
+        Held { positions: vec![false; count], velocities: vec![false; count], by: "--hold" }
+    }
+
+    /// These coordinates with their velocities, an array's name standing for all of its components; or the number of a
+    /// name that is none of a coordinate.
+    pub(crate) fn named<'n>(
+        names: impl Iterator<Item = &'n str>,
+        derivation: &Derivation,
+        by: &'static str,
+    ) -> Result<Self, usize> {
+        let components = component_names(&derivation.coordinates);
+        let mut held = vec![false; components.len()];
+        for (number, name) in names.enumerate() {
+            let array = derivation.coordinates.iter().find(|variable| variable.name == name);
+            let one = || components.iter().position(|component| component == name).map(|i| i..i + 1);
+            let range = array.map(|variable| variable.first..variable.first + variable.count()).or_else(one);
+            held[range.ok_or(number)?].fill(true);
+        }
+        Ok(Held { positions: held.clone(), velocities: held, by })
+    }
+
+    fn is_anything(&self) -> bool {
+        self.positions.contains(&true) || self.velocities.contains(&true)
+    }
+
+    /// Brings the state onto the constraints.
+    fn assemble(
+        &self,
+        equations: &Equations<'_>,
+        motion: &mut Motion,
+        redundant_rows: RedundantRows,
+    ) -> Result<(), ConstraintError> {
+        let (t, mut projector) = (equations.start_time(), equations.projector(redundant_rows));
+        projector.assemble_separately(equations, t, motion, |i| self.positions[i], |i| self.velocities[i])
+    }
+
+    /// Whether there is a state on the constraints with all of this as given, but for rounding.
+    pub(crate) fn is_possible(&self, equations: &Equations<'_>, given: &Motion, redundant_rows: RedundantRows) -> bool {
+        let mut motion = given.clone();
+        // What little the first leaves of the rows would be taken away as soon as the motion starts.
+        let all = [self, &Held::nothing(self.positions.len())];
+        let is_found = all.iter().all(|held| held.assemble(equations, &mut motion, redundant_rows).is_ok());
+        let stays =
+            |held: &[bool], from: &[f64], to: &[f64]| (0..held.len()).all(|i| !held[i] || !moved(from[i], to[i]));
+        is_found && stays(&self.positions, &given.q, &motion.q) && stays(&self.velocities, &given.qd, &motion.qd)
+    }
+}
+
+/// Whether a number has changed by more than rounding.
+pub(crate) fn moved(from: f64, to: f64) -> bool {
+    (from - to).abs() > NOTICEABLE * (1.0 + from.abs())
+}
+
+/// Brings the state onto the constraints, but for what is held; what there is to say where that is more than rounding.
 pub(crate) fn assemble(
     equations: &Equations<'_>,
     motion: &mut Motion,
-    held: &[bool],
+    held: &Held,
     redundant_rows: RedundantRows,
 ) -> Result<Option<String>, String> {
-    let t = equations.start_time();
     let given = motion.clone();
-    if let Err(error) = equations.projector(redundant_rows).assemble(equations, t, motion, |i| held[i]) {
+    if let Err(error) = held.assemble(equations, motion, redundant_rows) {
         return Err(unassembled(equations, error, &given, held));
     }
-    let moved =
-        |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(a, b)| (a - b).abs() > NOTICEABLE * (1.0 + a.abs()));
+    let moved = |from: &[f64], to: &[f64]| from.iter().zip(to).any(|(&a, &b)| moved(a, b));
     let mut changes = Vec::new();
     for (name, from, to) in [("q", &given.q, &motion.q), ("qd", &given.qd, &motion.qd)] {
         if moved(from, to) {
@@ -35,21 +100,21 @@ pub(crate) fn assemble(
 }
 
 /// Why there is no first state, where that shows, and what may help.
-fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion, held: &[bool]) -> String {
+fn unassembled(equations: &Equations<'_>, error: ConstraintError, given: &Motion, held: &Held) -> String {
     let t = equations.start_time();
-    let mut projector = equations.projector(RedundantRows::LeaveOut);
     match error {
         // Not in the guess, but in the state that was found.
         ConstraintError::Redundant { .. } => {
             let mut found = given.clone();
-            let at = if projector.assemble(equations, t, &mut found, |i| held[i]).is_ok() { &found } else { given };
+            let is_found = held.assemble(equations, &mut found, RedundantRows::LeaveOut).is_ok();
+            let at = if is_found { &found } else { given };
             explained(equations, error, t, at)
         }
-        ConstraintError::Open { .. } | ConstraintError::Contradiction { .. } if held.contains(&true) => {
-            explained(equations, error, t, given) + "; `--hold` may leave too few coordinates free"
+        ConstraintError::Open { .. } | ConstraintError::Contradiction { .. } if held.is_anything() => {
+            explained(equations, error, t, given) + &format!("; `{}` may leave too few coordinates free", held.by)
         }
         ConstraintError::Open { .. } => {
-            let rank = projector.rank(equations, t, &given.q, |_| ());
+            let rank = equations.projector(RedundantRows::LeaveOut).rank(equations, t, &given.q, |_| ());
             let is_singular = rank.is_ok_and(|rank| rank < equations.rows());
             let hint = if is_singular { "; constraints lose rank there: another guess may do" } else { "" };
             explained(equations, error, t, given) + hint

@@ -7,6 +7,7 @@ use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use mbs_runtime::{Constraints, Event, IntegrationError, RedundantRows, Step, Summary};
 
+use super::assembly::Held;
 use super::column::{Column, of_variables};
 use super::drive::Driven;
 use super::method::{Accuracy, Method};
@@ -36,8 +37,8 @@ pub(crate) struct Settings {
     pub(crate) accuracy: Accuracy,
     pub(crate) drift: Drift,
     pub(crate) redundant_rows: RedundantRows,
-    /// The coordinates that stay as given when the first state is assembled.
-    pub(crate) held: Vec<bool>,
+    /// What stays as given when the first state is assembled.
+    pub(crate) held: Held,
 }
 
 impl Settings {
@@ -377,7 +378,7 @@ mod tests {
             },
             drift: Drift::Projected,
             redundant_rows: RedundantRows::Refuse,
-            held: vec![false; 7],
+            held: Held::nothing(7),
         };
         let (equations, recorder) = (Equations::new(&derivation, &start).unwrap(), Recorder::new(&derivation, &[]));
         let run = Run { equations: &equations, settings: &settings, is_attended: true };

@@ -20,6 +20,7 @@ use mbs_native::{Compilers, NotCompiled};
 
 use super::gathering::{Formula, Wanted, quantities};
 use super::names::{Names, Slot};
+use super::start::Start;
 use crate::cache::Cache;
 use crate::equations::{Equations, Native, Redundant};
 use crate::failure::Failure;
@@ -27,6 +28,7 @@ use crate::files::Files;
 use crate::mechanism;
 use crate::message::Messages;
 use crate::output;
+use crate::simulate::assembly::Held;
 use crate::simulate::drive::{self, Drive, Driven, Drives};
 use crate::simulate::method::{Accuracy, MOST_STEPS, Method};
 use crate::simulate::motion::{Drift, Run, Settings};
@@ -102,6 +104,8 @@ pub(super) struct Study {
     /// What all members share.
     base: Point,
     settings: Settings,
+    /// How members start where there are constraints.
+    start: Start,
     driven: Driven,
     wanted: Vec<Wanted>,
     until: Option<(Formula, Direction)>,
@@ -124,6 +128,11 @@ impl Study {
     pub(super) fn compile(&mut self, compilers: &Compilers, cache: &Cache) -> Result<(), NotCompiled> {
         self.native = Some(Native::compiled(&self.derivation, compilers, cache)?);
         Ok(())
+    }
+
+    /// What there is to say of how the members started that were done.
+    pub(super) fn moved_starts(&self) -> Option<String> {
+        self.start.moved()
     }
 
     /// What runs the equations.
@@ -149,6 +158,7 @@ impl Motion for Study {
         if let Some(native) = &self.native {
             equations = equations.with_native(native).map_err(|failure| failure.text())?;
         }
+        let equations = self.start.on_constraints(equations, member.index, self.settings.redundant_rows)?;
         let run = Run { equations: &equations, settings: &self.settings, is_attended: false };
         quantities(run, point.state.t + self.duration, &self.wanted, self.until)
     }
@@ -217,6 +227,7 @@ impl Reading<'_> {
             Some(crossing) => Some((self.formula(&derivation, &formulas, &crossing.formula)?.0, crossing.direction)),
         };
         let settings = self.settings(&derivation, duration)?;
+        let start = self.start(&derivation, &design, &names)?;
         let driven = drives.resolved(&derivation, (base.state.t, base.state.t + duration))?;
         driven.warn();
         let tables = inputs.iter().chain(&signals).filter_map(Drive::table);
@@ -229,6 +240,7 @@ impl Reading<'_> {
             slots,
             base,
             settings,
+            start,
             driven,
             wanted,
             until,
@@ -448,7 +460,31 @@ impl Reading<'_> {
             },
             drift: Drift::Projected,
             redundant_rows: redundant.into(),
-            held: vec![false; derivation.dof()],
+            held: Held::nothing(derivation.dof()),
+        })
+    }
+
+    /// What members start with, where constraints may move it.
+    fn start(&self, derivation: &Derivation, design: &Design, names: &Names<'_>) -> Result<Start, Failure> {
+        let hold = self.plan.motion.as_ref().and_then(|motion| motion.hold.as_ref());
+        let held = hold.map(|words| self.held(words, derivation)).transpose()?;
+        let varied = design.variables().iter().map(|variable| variable.name.as_str());
+        let fixed = design.fixed().iter().map(|(name, _)| name.as_str());
+        let slots = |list: &mut dyn Iterator<Item = &str>| list.filter_map(|name| names.slot(name)).collect();
+        let [varied, fixed]: [Vec<Slot>; 2] = [slots(&mut { varied }), slots(&mut { fixed })];
+        Ok(Start::new(derivation, &varied, &fixed, held))
+    }
+
+    /// What the key `hold` names.
+    fn held(&self, words: &[Located<String>], derivation: &Derivation) -> Result<Held, Failure> {
+        if let (Some(first), true) = (words.first(), derivation.constraints.is_empty()) {
+            let message = format!("{} has no constraints, `hold` does nothing", derivation.name);
+            return Err(self.text.fault(Fault::new(first.span.clone(), message)));
+        }
+        Held::named(words.iter().map(|word| word.value.as_str()), derivation, "hold").map_err(|number| {
+            let Located { value, span } = &words[number];
+            let known = component_names(&derivation.coordinates);
+            self.text.fault(Fault::unknown(span.clone(), "coordinate", value, &known))
         })
     }
 

@@ -3,7 +3,7 @@
 use crate::Workshop;
 
 /// The pendulum of the other tests without friction, in Cartesian coordinates.
-const ROD: &str = "\
+pub(crate) const ROD: &str = "\
 mechanism Rod {
     param m: kg = 3;
     param l: m = 2;

@@ -24,6 +24,7 @@ mod parameters;
 mod report;
 mod robot;
 mod simulate;
+mod start;
 mod summary;
 mod sweep;
 mod watch;

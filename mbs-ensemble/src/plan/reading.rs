@@ -135,6 +135,11 @@ impl Reader {
         }
     }
 
+    fn words(&mut self, value: &Value<'_>) -> Option<Vec<Located<String>>> {
+        let Some(items) = value.get_ref().as_array() else { return self.misfit(value, "an array of names") };
+        items.iter().map(|item| self.text(item)).collect()
+    }
+
     fn natural(&mut self, value: &Value<'_>) -> Option<Located<u64>> {
         let number = value.get_ref().as_integer();
         let number = number.and_then(|number| u64::from_str_radix(number.as_str(), number.radix()).ok());
@@ -283,6 +288,7 @@ impl Reader {
         let step = section.get("step").and_then(|value| self.amount(value));
         let max_step = section.get("max_step").and_then(|value| self.amount(value));
         let redundant = section.get("redundant").and_then(|value| self.text(value));
+        let hold = section.get("hold").and_then(|value| self.words(value));
         let until = section.get("until").and_then(|value| self.crossing(value));
         let span = section.span.clone();
         let is_missing = !section.has("duration");
@@ -290,7 +296,7 @@ impl Reader {
         if is_missing {
             return self.fault(Fault::with_help(span, "`duration` is missing", "`duration = \"10 s\"`, for example"));
         }
-        Some(Motion { duration: duration?, method, relative, absolute, step, max_step, redundant, until })
+        Some(Motion { duration: duration?, method, relative, absolute, step, max_step, redundant, hold, until })
     }
 
     /// `{ zero = "height", direction = "falling" }`, or the formula alone.

@@ -1,0 +1,142 @@
+//! What constraints leave of the state that a member is to start with.
+//!
+//! What a plan names is held, what it does not name follows. Where that asks for more than the constraints leave free,
+//! what varies comes first, for the table tells it of each member, and then what is fixed, in the order of the plan. A
+//! member that cannot have what the table says of it stops; of fixed values that others had to be taken for, there is a
+//! warning.
+
+use std::sync::{Mutex, PoisonError};
+
+use mbs_derive::optimise::Derivation;
+use mbs_derive::variable::component_names;
+use mbs_runtime::{Constraints, RedundantRows};
+
+use super::names::Slot;
+use crate::equations::{Equations, Motion as Moving};
+use crate::simulate::assembly::{Held, assemble, moved};
+use crate::words::{abridged, plural, without_noise};
+
+/// A position or a velocity: the number of the coordinate, and whether it is the velocity.
+type Place = (usize, bool);
+
+/// How members start.
+#[derive(Debug)]
+pub(super) struct Start {
+    /// The names of the coordinates.
+    names: Vec<String>,
+    /// What the table has of each member.
+    varied: Vec<Place>,
+    /// What is the same for all.
+    fixed: Vec<Place>,
+    /// What the key `hold` says.
+    held: Option<Held>,
+    /// How many members started with other fixed values, the first of them, and with which.
+    others: Mutex<(usize, Option<(u64, String)>)>,
+}
+
+impl Start {
+    /// Of a plan that varies and fixes this.
+    pub(super) fn new(derivation: &Derivation, varied: &[Slot], fixed: &[Slot], held: Option<Held>) -> Self {
+        let place = |slot: &Slot| match slot {
+            Slot::Coordinate(i) => Some((*i, false)),
+            Slot::Rate(i) => Some((*i, true)),
+            Slot::Parameter(_) | Slot::Input(_) => None,
+        };
+        let places = |slots: &[Slot]| slots.iter().filter_map(place).collect();
+        let names = component_names(&derivation.coordinates);
+        Start { names, varied: places(varied), fixed: places(fixed), held, others: Mutex::default() }
+    }
+
+    /// The equations of a member, from a state on the constraints; why there is none that the table would be right
+    /// about.
+    pub(super) fn on_constraints<'d>(
+        &self,
+        equations: Equations<'d>,
+        member: u64,
+        redundant_rows: RedundantRows,
+    ) -> Result<Equations<'d>, String> {
+        if equations.rows() == 0 {
+            return Ok(equations);
+        }
+        let given = equations.start();
+        let held = self.held.clone().unwrap_or_else(|| self.possible(&equations, &given, redundant_rows));
+        let mut motion = given.clone();
+        assemble(&equations, &mut motion, &held, redundant_rows)?;
+        // As far as the motion itself goes then: what is held may leave a little of the rows.
+        assemble(&equations, &mut motion, &Held::nothing(self.names.len()), redundant_rows)?;
+        let varied = self.changes(&self.varied, "would start", &given, &motion);
+        if !varied.is_empty() {
+            return Err(format!(
+                "the constraints do not let it start as the table says: {}; vary what they leave free, the rest follows",
+                abridged(&varied)
+            ));
+        }
+        let fixed = self.changes(&self.fixed, "starts", &given, &motion);
+        // Where the plan says what is held, the rest is a guess.
+        if !fixed.is_empty() && self.held.is_none() {
+            let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+            others.0 += 1;
+            if others.1.as_ref().is_none_or(|(first, _)| member < *first) {
+                others.1 = Some((member, abridged(&fixed)));
+            }
+        }
+        Ok(equations.starting_from(motion))
+    }
+
+    /// As much of what is named as can be held: all, or one after the other, positions first.
+    fn possible(&self, equations: &Equations<'_>, given: &Moving, redundant_rows: RedundantRows) -> Held {
+        let mut held = Held { by: "hold", ..Held::nothing(self.names.len()) };
+        let is_possible = |held: &Held| held.is_possible(equations, given, redundant_rows);
+        let hold = |held: &mut Held, places: &mut dyn Iterator<Item = &Place>| {
+            places.for_each(|&(i, is_velocity)| {
+                let list = if is_velocity { &mut held.velocities } else { &mut held.positions };
+                list[i] = true;
+            });
+        };
+        let named: Vec<Place> = self.varied.iter().chain(&self.fixed).copied().collect();
+        let mut all = held.clone();
+        hold(&mut all, &mut named.iter());
+        if is_possible(&all) {
+            return all;
+        }
+        for is_velocity in [false, true] {
+            let places: Vec<&Place> = named.iter().filter(|place| place.1 == is_velocity).collect();
+            let mut together = held.clone();
+            hold(&mut together, &mut places.iter().copied());
+            if is_possible(&together) {
+                held = together;
+                continue;
+            }
+            for place in places {
+                let mut more = held.clone();
+                hold(&mut more, &mut std::iter::once(place));
+                if is_possible(&more) {
+                    held = more;
+                }
+            }
+        }
+        held
+    }
+
+    /// What is not as given, by more than rounding.
+    fn changes(&self, places: &[Place], starts: &str, given: &Moving, motion: &Moving) -> Vec<String> {
+        let change = |&(i, is_velocity): &Place| {
+            let (from, to) = if is_velocity { (given.qd[i], motion.qd[i]) } else { (given.q[i], motion.q[i]) };
+            let suffix = if is_velocity { "_dot" } else { "" };
+            let to = without_noise(&[from, to])[1];
+            moved(from, to).then(|| format!("`{}{suffix}` {starts} at {to:?} instead of {from:?}", self.names[i]))
+        };
+        places.iter().filter_map(change).collect()
+    }
+
+    /// What there is to say of members that started with other values than those of `[fixed]`.
+    pub(super) fn moved(&self) -> Option<String> {
+        let others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
+        let (first, changes) = others.1.as_ref()?;
+        let members = plural(others.0, "member", "members");
+        Some(format!(
+            "the constraints do not let {members} start as `[fixed]` says; the first is {first}: {changes}; `hold = […]` in \
+             `[motion]` names what is meant, the rest is then a guess"
+        ))
+    }
+}
