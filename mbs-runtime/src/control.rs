@@ -55,6 +55,7 @@ pub use adaptive::{AdaptiveControl, InvalidAdaptiveGain, Sliding, regressor};
 pub use base_parameters::{BaseParameters, NotFiniteRegressor, RegressorStack};
 pub use body_parameters::BodyParameters;
 pub use computed_torque::{ComputedTorque, InvalidGain};
+pub use eigenvalues::eigenvalues_in_place;
 pub use regulator::{Regulator, discrete_lqr, lqr};
 pub use sampled_loop::SampledLoop;
 
@@ -63,7 +64,7 @@ use dense::{difference, is_finite, product, transpose};
 use crate::scalar::Scalar;
 
 /// A complex number, as poles are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Complex {
     /// The real part.
     pub re: f64,
@@ -159,7 +160,8 @@ impl<const N: usize, const U: usize, const Y: usize> StateSpace<N, U, Y> {
     /// The eigenvalues of A \[1/s\], or \[1\] of a sampled system; complex ones in pairs, the one above the real axis
     /// first.
     ///
-    /// A is balanced, brought to Hessenberg form by reflections, and deflated by Francis' double steps.
+    /// A is balanced, brought to Hessenberg form by reflections, and deflated by Francis' double steps, of any size by
+    /// [`eigenvalues_in_place`].
     ///
     /// # Errors
     /// [`ControlError::NotFinite`], [`ControlError::NotConverged`].

@@ -1,57 +1,118 @@
 //! Eigenvalues of a real matrix: Francis' double steps on its Hessenberg form.
 
+use core::ops::{Index, IndexMut};
+
 use super::dense::{balance, is_finite};
 use super::{Complex, ControlError};
 use crate::scalar::Scalar;
 
 /// Steps for one eigenvalue; after every tenth without success the shift is an exceptional one.
 const STEPS: usize = 60;
+/// After this many steps it is enough that an entry is rounding beside the greatest ones. Where its neighbours on the
+/// diagonal are noise, or nearly zero, it does not get smaller than that.
+const PATIENCE: usize = 20;
 
-pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex; N], ControlError> {
-    if !is_finite(a) {
-        return Err(ControlError::NotFinite { matrix: 'A' });
-    }
-    let mut h = *a;
-    balance(&mut h, &mut [[]; N]);
-    reduce(&mut h);
-    let values = deflate(&mut h)?;
-    let finite = values.iter().all(|value| value.re.is_finite() && value.im.is_finite());
-    if finite { Ok(values) } else { Err(ControlError::NotFinite { matrix: 'A' }) }
+/// A square matrix, row by row.
+struct Square<'a> {
+    count: usize,
+    entries: &'a mut [f64],
 }
 
-/// To Hessenberg form, column by column, by Householder's reflections.
-fn reduce<const N: usize>(h: &mut [[f64; N]; N]) {
-    for k in 1..N.saturating_sub(1) {
-        let greatest = (k..N).fold(0.0, |most: f64, i| most.max(h[i][k - 1].abs()));
+impl Index<usize> for Square<'_> {
+    type Output = [f64];
+
+    fn index(&self, row: usize) -> &[f64] {
+        &self.entries[row * self.count..(row + 1) * self.count]
+    }
+}
+
+impl IndexMut<usize> for Square<'_> {
+    fn index_mut(&mut self, row: usize) -> &mut [f64] {
+        &mut self.entries[row * self.count..(row + 1) * self.count]
+    }
+}
+
+pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex; N], ControlError> {
+    let mut h = *a;
+    if is_finite(a) {
+        balance(&mut h, &mut [[]; N]);
+    }
+    let mut values = [Complex::new(0.0, 0.0); N];
+    eigenvalues_in_place(h.as_flattened_mut(), &mut values)?;
+    Ok(values)
+}
+
+/// The eigenvalues of a real matrix of any size, in no order but that complex ones stand in pairs; small ones beside
+/// large ones are more accurate where the matrix is balanced first, as [`StateSpace::poles`](super::StateSpace::poles)
+/// does it.
+///
+/// | argument | meaning | length |
+/// |---|---|---|
+/// | `matrix` | the matrix, row by row; undefined afterwards | n² |
+/// | `values` | receives the eigenvalues | n |
+///
+/// ```
+/// use mbs_runtime::control::{Complex, eigenvalues_in_place};
+/// let mut values = [Complex::default(); 2];
+/// eigenvalues_in_place(&mut [0.0, 1.0, -4.0, 0.0], &mut values)?;
+/// assert_eq!(values, [Complex::new(0.0, 2.0), Complex::new(0.0, -2.0)]);
+/// # Ok::<(), mbs_runtime::control::ControlError>(())
+/// ```
+///
+/// # Errors
+/// [`ControlError::NotFinite`]: an entry or an eigenvalue is infinite or NaN.
+///
+/// # Panics
+/// The lengths of the slices do not fit.
+pub fn eigenvalues_in_place(matrix: &mut [f64], values: &mut [Complex]) -> Result<(), ControlError> {
+    let count = values.len();
+    assert_eq!(matrix.len(), count * count, "a matrix has as many eigenvalues as rows and columns");
+    let is_finite = matrix.iter().all(|entry| entry.is_finite());
+    let mut h = Square { count, entries: matrix };
+    if is_finite {
+        reduce(&mut h);
+        deflate(&mut h, values)?;
+    }
+    let finite = is_finite && values.iter().all(|value| value.re.is_finite() && value.im.is_finite());
+    if finite { Ok(()) } else { Err(ControlError::NotFinite { matrix: 'A' }) }
+}
+
+/// To Hessenberg form, column by column, by Householder's reflections. The vector of one stands in the column that it
+/// clears.
+fn reduce(h: &mut Square<'_>) {
+    let n = h.count;
+    for k in 1..n.saturating_sub(1) {
+        let greatest = (k..n).fold(0.0, |most: f64, i| most.max(h[i][k - 1].abs()));
         if greatest == 0.0 {
             continue;
         }
-        let mut v = [0.0; N];
-        (k..N).for_each(|i| v[i] = h[i][k - 1] / greatest);
-        let length = Scalar::sqrt(v.iter().map(|x| x * x).sum::<f64>());
-        v[k] += length.copysign(v[k]);
-        let half: f64 = 0.5 * v.iter().map(|x| x * x).sum::<f64>();
-        for j in 0..N {
-            let along = (k..N).map(|i| v[i] * h[i][j]).sum::<f64>() / half;
-            (k..N).for_each(|i| h[i][j] -= along * v[i]);
+        (k..n).for_each(|i| h[i][k - 1] /= greatest);
+        let squares = |h: &Square<'_>| (k..n).map(|i| h[i][k - 1] * h[i][k - 1]).sum::<f64>();
+        let length = Scalar::sqrt(squares(h)).copysign(h[k][k - 1]);
+        h[k][k - 1] += length;
+        let half = 0.5 * squares(h);
+        for j in k..n {
+            let along = (k..n).map(|i| h[i][k - 1] * h[i][j]).sum::<f64>() / half;
+            (k..n).for_each(|i| h[i][j] -= along * h[i][k - 1]);
         }
-        for row in h.iter_mut() {
-            let along = (k..N).map(|j| row[j] * v[j]).sum::<f64>() / half;
-            (k..N).for_each(|j| row[j] -= along * v[j]);
+        for i in 0..n {
+            let along = (k..n).map(|j| h[i][j] * h[j][k - 1]).sum::<f64>() / half;
+            (k..n).for_each(|j| h[i][j] -= along * h[j][k - 1]);
         }
-        (k + 1..N).for_each(|i| h[i][k - 1] = 0.0);
+        h[k][k - 1] = -length * greatest;
+        (k + 1..n).for_each(|i| h[i][k - 1] = 0.0);
     }
 }
 
 /// Splits off one or two eigenvalues at the lower end at a time.
-fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex; N], ControlError> {
-    let mut values = [Complex::new(0.0, 0.0); N];
-    let size: f64 = h.iter().flatten().map(|entry| entry.abs()).sum();
+fn deflate(h: &mut Square<'_>, values: &mut [Complex]) -> Result<(), ControlError> {
+    let size: f64 = h.entries.iter().map(|entry| entry.abs()).sum();
     // Rows from `end` on are done; `shifted` was taken off the diagonal of the others.
-    let (mut end, mut steps, mut shifted) = (N, 0, 0.0);
+    let (mut end, mut steps, mut shifted) = (h.count, 0, 0.0);
     while end > 0 {
         let last = end - 1;
-        let first = start_of_block(h, last, size);
+        let least = if steps < PATIENCE { 0.0 } else { size };
+        let first = start_of_block(h, last, size, least);
         if first == last {
             values[last] = Complex::new(h[last][last] + shifted, 0.0);
             (end, steps) = (last, 0);
@@ -66,14 +127,15 @@ fn deflate<const N: usize>(h: &mut [[f64; N]; N]) -> Result<[Complex; N], Contro
             steps += 1;
         }
     }
-    Ok(values)
+    Ok(())
 }
 
-/// The first row of the block that ends with the row `last`: above it the subdiagonal is zero to rounding.
-fn start_of_block<const N: usize>(h: &mut [[f64; N]; N], last: usize, size: f64) -> usize {
+/// The first row of the block that ends with the row `last`: above it the subdiagonal is zero to rounding, of its
+/// neighbours, or of `least` where that is more.
+fn start_of_block(h: &mut Square<'_>, last: usize, size: f64, least: f64) -> usize {
     for row in (1..=last).rev() {
         let near = h[row - 1][row - 1].abs() + h[row][row].abs();
-        let near = if near == 0.0 { size } else { near };
+        let near = if near == 0.0 { size } else { near.max(least) };
         if h[row][row - 1].abs() <= f64::EPSILON * near {
             h[row][row - 1] = 0.0;
             return row;
@@ -104,7 +166,7 @@ fn pair(a: f64, b: f64, c: f64, d: f64) -> [Complex; 2] {
 }
 
 /// One implicit step with two shifts, on the rows `first` to `last`.
-fn double_step<const N: usize>(h: &mut [[f64; N]; N], first: usize, last: usize, shifted: &mut f64, steps: usize) {
+fn double_step(h: &mut Square<'_>, first: usize, last: usize, shifted: &mut f64, steps: usize) {
     let (mut x, mut y) = (h[last][last], h[last - 1][last - 1]);
     let mut w = h[last][last - 1] * h[last - 1][last];
     if steps % 10 == 9 {
@@ -165,7 +227,7 @@ fn double_step<const N: usize>(h: &mut [[f64; N]; N], first: usize, last: usize,
 
 /// The reflection of the rows and columns k to k + 2 that takes `(p, q, r)` to the first axis; `v` is `(p + length, q,
 /// r)`.
-fn reflect<const N: usize>(h: &mut [[f64; N]; N], k: usize, first: usize, last: usize, v: [f64; 3], length: f64) {
+fn reflect(h: &mut Square<'_>, k: usize, first: usize, last: usize, v: [f64; 3], length: f64) {
     let count = if k + 1 < last { 3 } else { 2 };
     let left = v.map(|entry| entry / length);
     let right = v.map(|entry| entry / v[0]);
@@ -173,7 +235,8 @@ fn reflect<const N: usize>(h: &mut [[f64; N]; N], k: usize, first: usize, last: 
         let along: f64 = (0..count).map(|i| right[i] * h[k + i][j]).sum();
         (0..count).for_each(|i| h[k + i][j] -= along * left[i]);
     }
-    for row in &mut h[first..=last.min(k + 3)] {
+    for i in first..=last.min(k + 3) {
+        let row = &mut h[i];
         let along: f64 = (0..count).map(|i| left[i] * row[k + i]).sum();
         (0..count).for_each(|i| row[k + i] -= along * right[i]);
     }

@@ -73,6 +73,55 @@ fn poles_of_known_polynomials() {
 }
 
 /// `T diag(blocks) T⁻¹` in units that are far apart.
+/// Disks that roll in circles, where most poles are zero and rounding has left entries from 1e-32 on: beside zeros and
+/// noise on the diagonal none below it ever gets small enough.
+#[test]
+fn poles_beside_zeros_and_noise() {
+    // Coordinates, then rates of heading, lean and spin; the motion of the first five follows from these and from
+    // heading and lean.
+    let disk = |[x, y, heading, lean]: [[f64; 2]; 4], noise: [f64; 4], spin: f64| {
+        let mut a = [[0.0; 8]; 8];
+        [a[0][3], a[0][5], a[0][7]] = [x[0], x[1], 0.3];
+        [a[1][2], a[1][6]] = y;
+        [a[2][5], a[3][6], a[4][7]] = [1.0; 3];
+        [a[5][2], a[5][4], a[7][2], a[7][4]] = noise;
+        [a[5][6], a[6][3], a[6][5], a[6][7], a[7][6]] = [heading[0], lean[0], lean[1], spin, heading[1]];
+        a
+    };
+    let systems = [
+        disk(
+            [
+                [0.360641229885174, 0.12684048154924807],
+                [-2.272128595751089, -0.27186668100441225],
+                [17.95282295883539, -9.594044752474558],
+                [30.312224596927337, -7.829601626203985],
+            ],
+            [1.8864240090489774e-15, 3.4742994826375137e-32, -7.97583099046118e-16, -3.700743415417188e-16],
+            1.442564919540696,
+        ),
+        disk(
+            [
+                [0.7189744634921913, 0.26365206170646077],
+                [-2.177532350107116, -0.1431348677224826],
+                [48.93107444565296, -46.99689810531902],
+                [60.57301067286922, -2.4707742909066694],
+            ],
+            [6.417463817996191e-14, 7.888609052210118e-31, -4.391018173713041e-14, -9.868649107779178e-16],
+            2.8758978539687656,
+        ),
+    ];
+    for a in systems {
+        let square = -(a[6][3] + a[6][5] * a[5][6] + a[6][7] * a[7][6]);
+        let mut poles = StateSpace { a, b: [[]; 8], c: [], d: [] }.poles().unwrap();
+        poles.sort_by(|x, y| x.re.hypot(x.im).total_cmp(&y.re.hypot(y.im)));
+        // Zeros in chains of up to three are as far off as the cube root of rounding.
+        assert!(poles[..6].iter().all(|pole| pole.re.hypot(pole.im) < 1e-4), "{poles:?}");
+        for pole in &poles[6..] {
+            assert!(pole.re.abs() < 1e-10 && (pole.im.abs() - square.sqrt()).abs() < 1e-10, "{pole:?} {square}");
+        }
+    }
+}
+
 #[test]
 fn poles_of_random_systems_in_any_units() {
     let mut numbers = Numbers(5);
