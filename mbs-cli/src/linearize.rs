@@ -71,7 +71,7 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if let Some(time) = arguments.sample_time {
         system = system.sampled(time)?;
     }
-    let report = Report::new(&derivation, &point, &system, arguments.sample_time)?;
+    let report = Report::new(&derivation, &point, &system, arguments.sample_time);
     output::answer(|| report.json(), || report.text())
 }
 
@@ -112,26 +112,24 @@ struct Report<'a> {
     system: &'a System,
     states: Vec<[String; 2]>,
     inputs: Vec<[String; 2]>,
-    /// Eigenvalues of A, slow ones first.
-    poles: Vec<Complex<f64>>,
+    /// Eigenvalues of A, slow ones first, where they were found.
+    poles: Option<Vec<Complex<f64>>>,
     sample_time: Option<f64>,
     ranks: [usize; 2],
 }
 
 impl<'a> Report<'a> {
-    fn new(
-        derivation: &Derivation,
-        point: &'a Point,
-        system: &'a System,
-        sample_time: Option<f64>,
-    ) -> Result<Self, Failure> {
+    fn new(derivation: &Derivation, point: &'a Point, system: &'a System, sample_time: Option<f64>) -> Self {
         let (names, units_of_q) = (component_names(&derivation.coordinates), units(&derivation.coordinates));
         let rate = |unit: &str| if unit == "1" { "1/s".to_string() } else { format!("{unit}/s") };
         let positions = system.coordinates.iter().map(|&i| [names[i].clone(), units_of_q[i].clone()]);
         let velocities = system.speeds.iter().map(|&i| [format!("{}_dot", names[i]), rate(&units_of_q[i])]);
         let inputs = component_names(&derivation.inputs).into_iter().zip(units(&derivation.inputs));
-        let poles = system.poles().ok_or_else(|| Failure::new("the eigenvalues of A were not found"))?;
-        Ok(Report {
+        let poles = system.poles();
+        if poles.is_none() {
+            output::warn("the eigenvalues of A were not found, or are too large: there are no poles");
+        }
+        Report {
             point,
             system,
             states: positions.chain(velocities).collect(),
@@ -139,7 +137,7 @@ impl<'a> Report<'a> {
             poles,
             sample_time,
             ranks: [system.controllability_rank(), system.observability_rank()],
-        })
+        }
     }
 
     /// The pole of the continuous system.
@@ -152,7 +150,8 @@ impl<'a> Report<'a> {
             list.iter().map(|[name, unit]| json!({ "name": name, "unit": unit })).collect()
         };
         let state = &self.point.state;
-        let poles: Vec<Value> = self.poles.iter().map(|&pole| self.json_of_pole(pole)).collect();
+        let of_poles = |poles: &Vec<Complex<f64>>| poles.iter().map(|&pole| self.json_of_pole(pole)).collect();
+        let poles: Value = self.poles.as_ref().map_or(Value::Null, of_poles);
         let mut report = json!({
             "state": { "t": state.t, "q": state.q, "qd": state.qd, "u": state.u },
             "accelerations": self.system.accelerations,
@@ -222,11 +221,15 @@ impl<'a> Report<'a> {
     }
 
     fn push_poles(&self, text: &mut String) {
+        let Some(poles) = &self.poles else {
+            text.push_str("\npoles: not found\n");
+            return;
+        };
         let unit = if self.sample_time.is_some() { "1" } else { "1/s" };
         let _ = writeln!(text, "\npoles [{unit}]                          frequency [rad/s]  damping");
-        let sizes = self.poles.iter().map(|&pole| magnitude(self.continuous(pole))).filter(|size| size.is_finite());
+        let sizes = poles.iter().map(|&pole| magnitude(self.continuous(pole))).filter(|size| size.is_finite());
         let rounding = ROUNDING * sizes.fold(0.0, f64::max);
-        for &pole in &self.poles {
+        for &pole in poles {
             let continuous = self.continuous(pole);
             // Its sign, and its damping, are those of rounding errors.
             if magnitude(continuous) <= rounding {
@@ -237,7 +240,7 @@ impl<'a> Report<'a> {
             let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
             let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", magnitude(continuous), damping(continuous));
         }
-        if self.poles.iter().any(|&pole| magnitude(self.continuous(pole)).is_infinite()) {
+        if poles.iter().any(|&pole| magnitude(self.continuous(pole)).is_infinite()) {
             let _ = writeln!(text, "a pole at 0: what it moves has decayed within a sample");
         }
     }

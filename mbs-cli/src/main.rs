@@ -33,6 +33,7 @@ mod cache;
 mod check;
 mod completions;
 mod derive;
+mod eigenvalues;
 mod equations;
 mod eval;
 mod explain;

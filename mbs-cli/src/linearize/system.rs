@@ -4,8 +4,9 @@ use mbs_derive::expr::Symbol;
 use mbs_derive::interpret::Interpreter;
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
-use nalgebra::{Complex, DMatrix, DVector, Schur, linalg::balancing};
+use nalgebra::{Complex, DMatrix, DVector};
 
+use crate::eigenvalues::{balanced, eigenvalues};
 use crate::failure::Failure;
 use crate::state::Point;
 
@@ -175,16 +176,8 @@ impl System {
 
     /// The eigenvalues of A by their size; of a pair the one above the real axis first.
     pub(super) fn poles(&self) -> Option<Vec<Complex<f64>>> {
-        if self.a.is_empty() {
-            return Some(Vec::new());
-        }
-        let (balanced, unit, _) = balanced(self.a.clone());
-        let schur = Schur::try_new(balanced, f64::EPSILON, 10_000)?;
         let size = |pole: &Complex<f64>| pole.re.hypot(pole.im);
-        let mut poles: Vec<Complex<f64>> = schur.complex_eigenvalues().iter().map(|pole| pole * unit).collect();
-        if !poles.iter().all(|pole| size(pole).is_finite()) {
-            return None;
-        }
+        let mut poles = eigenvalues(self.a.clone())?;
         poles.sort_by(|x, y| size(x).total_cmp(&size(y)).then(x.re.total_cmp(&y.re)).then(y.im.total_cmp(&x.im)));
         Some(poles)
     }
@@ -222,18 +215,6 @@ fn sampled(a: DMatrix<f64>, mut b: DMatrix<f64>) -> Option<(DMatrix<f64>, DMatri
     let phi = DMatrix::from_fn(states, states, |i, j| whole[(i, j)] / scale[j] * scale[i]);
     let gamma = DMatrix::from_fn(states, inputs, |i, j| whole[(i, states + j)] * scale[i] / input_units[j]);
     phi.iter().chain(gamma.iter()).all(|x| x.is_finite()).then_some((phi, gamma))
-}
-
-/// Balanced by powers of two, in units of another one, and the powers `d` with `A = D A_balanced D⁻¹`: balancing
-/// squares entries, and does not end where they overflow.
-fn balanced(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, f64, DVector<f64>) {
-    // About 1e150. The greatest entry is left as large, so that the squares of small ones do not vanish.
-    const LARGE: i32 = 498;
-    let size = matrix.amax().log2();
-    let unit = if size > f64::from(LARGE) && size.is_finite() { 2_f64.powi(size as i32 - LARGE) } else { 1.0 };
-    matrix /= unit;
-    let scale = balancing::balance_parlett_reinsch(&mut matrix);
-    (matrix, unit, scale)
 }
 
 /// The dimension of the span of `B, A B, A² B, …`, as `mbs_runtime::control` finds it.

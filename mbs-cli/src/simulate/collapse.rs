@@ -2,8 +2,9 @@
 
 use mbs_derive::interpret::State;
 use mbs_derive::optimise::FunctionKind;
-use nalgebra::{DMatrix, Schur};
+use nalgebra::DMatrix;
 
+use crate::eigenvalues::eigenvalues;
 use crate::equations::{Equations, Motion, Solver};
 
 /// A step of this length, relative to 1 s or the time, is one on which a smooth motion hardly changes.
@@ -64,8 +65,8 @@ fn fastest_rate(equations: &Equations<'_>, state: &State) -> Option<f64> {
     if derivatives.len() < 2 * n * n || !derivatives.iter().all(|x| x.is_finite()) {
         return None;
     }
-    let schur = Schur::try_new(DMatrix::from_fn(2 * n, 2 * n, entry), f64::EPSILON, 10_000)?;
-    Some(schur.complex_eigenvalues().iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max))
+    let values = eigenvalues(DMatrix::from_fn(2 * n, 2 * n, entry))?;
+    Some(values.iter().map(|value| value.re.hypot(value.im)).fold(0.0, f64::max))
 }
 
 /// The second difference of the accelerations along the motion, and their size.
