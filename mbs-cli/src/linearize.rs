@@ -229,6 +229,7 @@ impl<'a> Report<'a> {
         let _ = writeln!(text, "\npoles [{unit}]                          frequency [rad/s]  damping");
         let sizes = poles.iter().map(|&pole| magnitude(self.continuous(pole))).filter(|size| size.is_finite());
         let rounding = ROUNDING * sizes.fold(0.0, f64::max);
+        let noise = ROUNDING * poles.iter().map(|&pole| magnitude(pole)).fold(0.0, f64::max);
         for &pole in poles {
             let continuous = self.continuous(pole);
             // Its sign, and its damping, are those of rounding errors.
@@ -237,8 +238,11 @@ impl<'a> Report<'a> {
                 let _ = writeln!(text, "  {value:<34}  {:>16}  {:>7}", 0, "-");
                 continue;
             }
-            let value = format!("{:.6} {} {:.6}i", pole.re, if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
-            let _ = writeln!(text, "  {value:<34}  {:>16.6}  {:>7.4}", magnitude(continuous), damping(continuous));
+            // So are the signs of what is nothing beside the fastest pole.
+            let real = if pole.re.abs() <= noise { 0.0 } else { pole.re };
+            let damping = if continuous.re.abs() <= rounding { 0.0 } else { damping(continuous) };
+            let value = format!("{real:.6} {} {:.6}i", if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
+            let _ = writeln!(text, "  {value:<34}  {:>16.6}  {damping:>7.4}", magnitude(continuous));
         }
         if poles.iter().any(|&pole| magnitude(self.continuous(pole)).is_infinite()) {
             let _ = writeln!(text, "a pole at 0: what it moves has decayed within a sample");
@@ -254,7 +258,7 @@ fn magnitude(pole: Complex<f64>) -> f64 {
 /// `−Re p/|p|`; 1 at zero, and where a sample leaves nothing.
 fn damping(pole: Complex<f64>) -> f64 {
     let frequency = magnitude(pole);
-    if frequency == 0.0 || frequency.is_infinite() { 1.0 } else { -pole.re / frequency }
+    if frequency == 0.0 || frequency.is_infinite() { 1.0 } else { 0.0 - pole.re / frequency }
 }
 
 fn rows(matrix: &DMatrix<f64>) -> Value {

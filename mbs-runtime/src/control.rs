@@ -233,7 +233,7 @@ pub fn natural_frequency(pole: Complex) -> f64 {
 #[must_use]
 pub fn damping_ratio(pole: Complex) -> f64 {
     let frequency = natural_frequency(pole);
-    if frequency == 0.0 { 1.0 } else { -pole.re / frequency }
+    if frequency == 0.0 { 1.0 } else { 0.0 - pole.re / frequency }
 }
 
 /// The pole of a continuous system that is sampled to z: `ln z/T` \[1/s\], the one nearest to the real axis.

@@ -558,3 +558,17 @@ fn poles_of_steady_motions_are_found() {
     poles(-2.2721285957510893, 1.3265370679216149, 0.4365346196275094, -8.134623987463982);
     poles(-4.4284069773593275, 1.5730906915124276, 0.8234056290043996, -15.915163519921208);
 }
+
+/// `p = ±i √(g/l)`: no damping, not a negative one.
+#[test]
+fn undamped_modes_have_no_sign() {
+    let workshop = Workshop::new();
+    let run = ["linearize", "pendulum.mbs", "--state", r#"{"theta": 0, "params": {"b": 0}}"#];
+    let text = workshop.good(&run);
+    assert!(text.contains("  2.236068   0.0000\n") && !text.contains("-0.0000"), "{text}");
+    let json = workshop.good(&[run.as_slice(), &["--json"]].concat());
+    assert!(json.contains(r#""damping_ratio":0.0"#) && !json.contains("-0.0,"), "{json}");
+    // Hanging from the other side it falls: that sign counts.
+    let text = workshop.good(&["linearize", "pendulum.mbs", "--state", r#"{"theta": "180 deg"}"#]);
+    assert!(text.contains("  -1.0000\n"), "{text}");
+}
