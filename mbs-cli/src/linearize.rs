@@ -21,6 +21,7 @@ use crate::check::freedom::LostRank;
 use crate::failure::Failure;
 use crate::simulate::positive;
 use crate::state::{self, Point, Request};
+use crate::words::without_noise;
 use crate::{mechanism, output};
 
 use self::system::System;
@@ -185,10 +186,11 @@ impl<'a> Report<'a> {
     fn text(&self) -> String {
         let mut text = String::new();
         let state = &self.point.state;
-        let _ = writeln!(text, "about t = {:?}, q = {:?}, qd = {:?}, u = {:?}", state.t, state.q, state.qd, state.u);
+        let [q, qd, u] = [&state.q, &state.qd, &state.u].map(|numbers| without_noise(numbers));
+        let _ = writeln!(text, "about t = {:?}, q = {q:?}, qd = {qd:?}, u = {u:?}", state.t);
         let greatest = self.system.accelerations.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         if greatest > 1e-9 {
-            let _ = writeln!(text, "no equilibrium: accelerations {:?}", self.system.accelerations);
+            let _ = writeln!(text, "no equilibrium: accelerations {:?}", without_noise(&self.system.accelerations));
         }
         if let Some(time) = self.sample_time {
             let _ = writeln!(text, "sampled every {time:?} s");

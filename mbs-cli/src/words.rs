@@ -8,12 +8,23 @@ pub(crate) fn abridged(names: &[String]) -> String {
     }
 }
 
-/// Numbers for people: what is nothing but rounding beside the greatest of them is 0.
+/// Numbers in a sentence: without noise, and no more than a dozen.
+pub(crate) fn vector(numbers: &[f64]) -> String {
+    const MOST: usize = 12;
+    let shown = without_noise(numbers);
+    if shown.len() <= MOST {
+        return format!("{shown:?}");
+    }
+    let first: Vec<String> = shown[..MOST / 2].iter().map(|x| format!("{x:?}")).collect();
+    format!("[{}, … {} numbers]", first.join(", "), shown.len())
+}
+
+/// Numbers for people: what is nothing but rounding beside 1, or beside the greatest of them if that is less, is 0.
 pub(crate) fn without_noise(numbers: &[f64]) -> Vec<f64> {
     const ROUNDING: f64 = 1e-12;
     let greatest = numbers.iter().fold(0.0_f64, |greatest, x| greatest.max(x.abs()));
     // NaN stays.
-    numbers.iter().map(|&x| if x.abs() <= ROUNDING * greatest { 0.0 } else { x }).collect()
+    numbers.iter().map(|&x| if x.abs() <= ROUNDING * greatest.min(1.0) { 0.0 } else { x }).collect()
 }
 
 /// A count with its noun.
@@ -31,5 +42,14 @@ mod tests {
         assert_eq!(format!("{:?}", without_noise(&[-0.0, -0.0])), "[0.0, 0.0]");
         assert_eq!(without_noise(&[1e-30, 2e-30]), [1e-30, 2e-30]);
         assert!(without_noise(&[f64::NAN, 1.0])[0].is_nan());
+        // A satellite far away and its attitude.
+        assert_eq!(without_noise(&[7e6, 1e-7]), [7e6, 1e-7]);
+    }
+
+    #[test]
+    fn long_vectors_are_cut() {
+        assert_eq!(vector(&[1.0, -1e-30]), "[1.0, 0.0]");
+        assert_eq!(vector(&[2.0; 12]).matches("2.0").count(), 12);
+        assert_eq!(vector(&[2.0; 81]), "[2.0, 2.0, 2.0, 2.0, 2.0, 2.0, … 81 numbers]");
     }
 }
