@@ -57,7 +57,7 @@ use crate::state::{self, Point, Request};
 /// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt`
 /// seconds; the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what
 /// is left of the rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is
-/// kept on them.
+/// kept on them. Of a motion that stops before its end the rows so far are written, with the last line `# stopped: …`.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  mbs simulate pendulum.mbs --state '{\"theta\": 0.5}' --t-end 10 --csv motion.csv --plot motion.svg"
@@ -211,6 +211,11 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         output::warn(format_args!("{} has no {} to record", derivation.name, without.join(", ")));
     }
     let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
+    if motion.stopped.is_some() {
+        // What cannot say that it is a part of a motion is not written.
+        deliver(&motion, &[], arguments)?;
+        return motion.whole().map(drop);
+    }
     let mut others: Vec<(&Path, Vec<u8>)> = Vec::new();
     #[cfg(feature = "parquet")]
     if let Some(path) = &arguments.parquet {

@@ -5,7 +5,7 @@ use mbs_derive::variable::component_names;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
 use crate::equations::{Equations, Motion};
-use crate::words::abridged;
+use crate::words::{abridged, vector};
 
 /// A change of a coordinate by less than this, relative to 1 or its size, is rounding of the input.
 const NOTICEABLE: f64 = 1e-9;
@@ -92,7 +92,7 @@ pub(crate) fn assemble(
     let mut changes = Vec::new();
     for (name, from, to) in [("q", &given.q, &motion.q), ("qd", &given.qd, &motion.qd)] {
         if moved(from, to) {
-            changes.push(format!("{name} = {to:?}"));
+            changes.push(format!("{name} = {}", vector(to)));
         }
     }
     let starts = "the state does not satisfy the constraints; the motion starts from";
@@ -166,8 +166,8 @@ pub(crate) fn check_rows(
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
 /// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest
-/// number.
-pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -> Result<(), String> {
+/// number, and it is said what may pass such a place.
+pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion, way: &str) -> Result<(), String> {
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let change = |from: &[f64], to: &[f64]| {
         from.iter().zip(to).fold(0.0_f64, |largest, (from, to)| largest.max((to - from).abs()))
@@ -177,9 +177,12 @@ pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion) -
         return Ok(());
     }
     Err(format!(
-        "the nearest state on the constraints is far, q = {:?}, qd = {:?}, at t = {t:?}, q = {:?}, qd = {:?}: they lose \
-         rank there, so that the motion may branch, or the steps are too long",
-        projected.q, projected.qd, free.q, free.qd
+        "the motion comes to a singular state at t = {t:?}, where constraints lose rank and it may branch; {way}; the nearest state on \
+         them is far, q = {}, qd = {}, at q = {}, qd = {}",
+        vector(&projected.q),
+        vector(&projected.qd),
+        vector(&free.q),
+        vector(&free.qd)
     ))
 }
 
@@ -201,7 +204,7 @@ fn open_for_good(equations: &Equations<'_>, t: f64, motion: &Motion) -> Option<S
 /// What went wrong with which row, and where.
 pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f64, motion: &Motion) -> String {
     let name = |row: usize| &equations.row_names()[row];
-    let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", motion.q, motion.qd);
+    let at = format!("at t = {t:?}, q = {}, qd = {}", vector(&motion.q), vector(&motion.qd));
     match error {
         ConstraintError::Open { row, residual } => {
             format!("the constraints do not close: `{}` stays open by {residual:e}, {at}", name(row))

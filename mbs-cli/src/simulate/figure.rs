@@ -17,7 +17,12 @@ const PANEL_HEIGHT: u32 = 300;
 pub(crate) fn draw(motion: &Motion, format: Format) -> Result<Vec<u8>, Failure> {
     let panels = panels(motion);
     let height = LEAST_HEIGHT.max(PANEL_HEIGHT * u32::try_from(panels.len()).unwrap_or(u32::MAX / PANEL_HEIGHT));
-    let figure = Figure { title: motion.name.clone(), size: (WIDTH, height), panels };
+    let last = motion.rows.last().map_or(0.0, |row| row.t);
+    let title = match motion.stopped {
+        Some(_) => format!("{}, stopped after t = {last:.4} s", motion.name),
+        None => motion.name.clone(),
+    };
+    let figure = Figure { title, size: (WIDTH, height), panels };
     mbs_chart::draw(&figure, format).map_err(Failure::new)
 }
 

@@ -107,7 +107,7 @@ mod tests {
     fn what_is_written_is_read() {
         let row = |t: f64| Row { t, kinetic: 0.0, potential: 0.0, values: vec![2.0 * t, f64::NAN] };
         let columns = vec![Column::new("coordinates", "x", "m"), Column::new("outputs", "y", "1")];
-        let motion = Motion { name: "A".to_string(), columns, rows: vec![row(3.0), row(4.25)] };
+        let motion = Motion { name: "A".to_string(), columns, rows: vec![row(3.0), row(4.25)], stopped: None };
         let sight = |x: f64| {
             let attitude = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
             let body = Body { mass: 1.0, centre: Vector3::new(x, 0.0, 2.0), attitude, inertia: Matrix3::zeros() };

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
-use mbs_runtime::{Constraints, Event, IntegrationError, RedundantRows, Step, Summary};
+use mbs_runtime::{ConstraintError, Constraints, Event, IntegrationError, RedundantRows, Step, Summary};
 
 use super::assembly::Held;
 use super::column::{Column, of_variables};
@@ -18,6 +18,7 @@ use crate::equations::{Equations, Motion as Moving, Solver};
 use crate::failure::Failure;
 use crate::output;
 use crate::state::Point;
+use crate::words::vector;
 
 /// What is done about constraints that an integration does not keep by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,6 +50,16 @@ impl Settings {
         let error = 20.0 * (self.accuracy.relative + self.accuracy.absolute);
         if self.method.has_error_control() { error.max(LEAST) } else { LEAST }
     }
+
+    /// What may lead past a state in which constraints lose rank: error control comes ever nearer to it, steps of one
+    /// length step over it.
+    fn way_past_lost_rank(&self) -> &'static str {
+        if self.method.has_error_control() {
+            "a fixed step (method rk4) or other tolerances may pass it"
+        } else {
+            "another step may pass it, a shorter one where it is too long for the motion"
+        }
+    }
 }
 
 /// A motion, row by row.
@@ -60,6 +71,8 @@ pub(crate) struct Motion {
     pub(crate) columns: Vec<Column>,
     /// In order of time.
     pub(crate) rows: Vec<Row>,
+    /// Why it ends with these rows, before its end.
+    pub(crate) stopped: Option<String>,
 }
 
 /// What is recorded at one time.
@@ -76,7 +89,8 @@ pub(crate) struct Row {
 }
 
 impl Motion {
-    /// From a state over the given times, the first of which is the state's.
+    /// From a state over the given times, the first of which is the state's; as far as it comes, if that is further
+    /// than its first row.
     pub(crate) fn integrate(
         derivation: &Derivation,
         start: &Point,
@@ -89,9 +103,21 @@ impl Motion {
         if settings.method.is_for_separable() && equations.depends_on_velocities() {
             output::warn("accelerations depend on velocities: the method is of order 1 and not symplectic here");
         }
-        let rows = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder);
+        let (rows, outcome) = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder);
+        let stopped = outcome.err();
+        if let Some(reason) = stopped.as_ref().filter(|_| rows.len() < 2) {
+            return Err(Failure::new(reason));
+        }
         let columns = distinct([standard_columns(derivation), recorder.columns()].concat());
-        Ok(Motion { name: derivation.name.clone(), columns, rows: rows.map_err(Failure::new)?.0 })
+        Ok(Motion { name: derivation.name.clone(), columns, rows, stopped })
+    }
+
+    /// To its end.
+    pub(crate) fn whole(self) -> Result<Motion, Failure> {
+        match &self.stopped {
+            Some(reason) => Err(Failure::new(reason)),
+            None => Ok(self),
+        }
     }
 }
 
@@ -154,13 +180,13 @@ pub(crate) struct Run<'a, 'd> {
 }
 
 impl<'a, 'd> Run<'a, 'd> {
-    /// The rows at these times, and what it took.
-    fn rows(self, times: &[f64], recorder: &'a Recorder<'d>) -> Result<(Vec<Row>, Summary), String> {
+    /// The rows at these times, and what it took; or those before it stopped, and why.
+    fn rows(self, times: &[f64], recorder: &'a Recorder<'d>) -> (Vec<Row>, Result<Summary, String>) {
         let end = times.last().copied().unwrap_or(self.equations.start_time());
         let rows = Vec::with_capacity(times.len());
         let mut recording = Recording { run: self, solver: self.solver(), recorder, remaining: times, rows };
-        let (summary, _) = self.follow(end, &mut [], &mut recording)?;
-        Ok((recording.rows, summary))
+        let outcome = self.follow(end, &mut [], &mut recording);
+        (recording.rows, outcome.map(|(summary, _)| summary))
     }
 
     /// Integrates to this time, or to an event that ends it, before an onlooker; the state there.
@@ -176,7 +202,7 @@ impl<'a, 'd> Run<'a, 'd> {
 
         let mut solver = self.solver();
         let mut projector = equations.projector(self.settings.redundant_rows);
-        let near = self.settings.near();
+        let (near, way) = (self.settings.near(), self.settings.way_past_lost_rank());
         let is_projected = equations.rows() > 0 && self.settings.drift == Drift::Projected;
         let mut closed = |t: f64, moving: &mut Moving| {
             if !is_projected {
@@ -185,8 +211,12 @@ impl<'a, 'd> Run<'a, 'd> {
             let free = moving.clone();
             projector
                 .project(equations, t, moving)
-                .map_err(|error| assembly::explained(equations, error, t, &free))
-                .and_then(|()| assembly::stays_near(t, near, &free, moving))
+                .map_err(|error| {
+                    let is_lost = matches!(error, ConstraintError::Redundant { .. }) && t > start;
+                    let explained = assembly::explained(equations, error, t, &free);
+                    if is_lost { format!("{explained}; {way}") } else { explained }
+                })
+                .and_then(|()| assembly::stays_near(t, near, &free, moving, way))
         };
 
         onlooker.begin(start, &motion)?;
@@ -262,7 +292,7 @@ impl<'a, 'd> Run<'a, 'd> {
             Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
             Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
         };
-        format!("the integration stopped: {error}, at q = {q:?}, qd = {qd:?}{hint}")
+        format!("the integration stopped: {error}, at q = {}, qd = {}{hint}", vector(q), vector(qd))
     }
 }
 
@@ -317,7 +347,7 @@ impl Recording<'_, '_> {
             .values(equations, solver, &state, &multipliers)
             .map_err(|error| assembly::explained(equations, error, t, moving))?;
         let constraints = [multipliers, equations.rows_of(FunctionKind::Constraint, &state)].concat();
-        let at = format!("at t = {t:?}, q = {:?}, qd = {:?}", state.q, state.qd);
+        let at = format!("at t = {t:?}, q = {}, qd = {}", vector(&state.q), vector(&state.qd));
         if !(kinetic + potential).is_finite() {
             return Err(format!("T is {kinetic:?}, V is {potential:?}, {at}"));
         }
@@ -382,7 +412,8 @@ mod tests {
         };
         let (equations, recorder) = (Equations::new(&derivation, &start).unwrap(), Recorder::new(&derivation, &[]));
         let run = Run { equations: &equations, settings: &settings, is_attended: true };
-        let (rows, summary) = run.rows(&[0.0, 0.05], &recorder).unwrap();
+        let (rows, outcome) = run.rows(&[0.0, 0.05], &recorder);
+        let summary = outcome.unwrap();
         assert!(summary.evaluations < 10_000, "{summary:?}");
         let energy = |row: &Row| row.kinetic + row.potential;
         assert!((energy(&rows[1]) - energy(&rows[0])).abs() < 1e-9 * rows[0].kinetic, "{rows:?}");

@@ -54,7 +54,7 @@ mod tests {
     fn what_is_written_is_read() {
         let row = |t: f64| Row { t, kinetic: 0.0, potential: 0.0, values: vec![2.0 * t, -t] };
         let columns = vec![Column::new("coordinates", "x", "m"), Column::new("velocities", "x_dot", "m/s")];
-        let motion = Motion { name: "A".to_string(), columns, rows: vec![row(0.0), row(0.5), row(1.0)] };
+        let motion = Motion { name: "A".to_string(), columns, rows: vec![row(0.0), row(0.5), row(1.0)], stopped: None };
         let mut file = tempfile::tempfile().unwrap();
         std::io::Write::write_all(&mut file, &table(&motion, true).unwrap()).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use super::column::Column;
 use super::motion::Motion;
 
-/// One line a row; every number with as many digits as it takes to read the same number. With units the names of the
+/// One line a row, and one more, `# stopped: …`, where the motion did not come to its end; every number with as many digits as it takes to read the same number. With units the names of the
 /// columns end in them.
 pub(crate) fn csv(motion: &Motion, units: bool) -> String {
     let mut text = header(motion, units).join(",") + "\n";
@@ -21,15 +21,23 @@ pub(crate) fn csv(motion: &Motion, units: bool) -> String {
         }
         text.push('\n');
     }
+    if let Some(reason) = &motion.stopped {
+        let _ = writeln!(text, "# stopped: {}", reason.replace('\n', " "));
+    }
     text
 }
 
-/// `{"columns": ["t", …], "rows": [[0, …], …], "written": […]}`; infinity and NaN are `null`.
+/// `{"columns": ["t", …], "rows": [[0, …], …], "written": […]}`; infinity and NaN are `null`. With `"stopped": "…"`
+/// where the motion did not come to its end.
 pub(crate) fn object(motion: &Motion, units: bool, written: &[&Path]) -> Value {
     let rows = motion.rows.iter().map(|row| std::iter::once(row.t).chain(row.values.iter().copied()).collect());
     let rows: Vec<Vec<f64>> = rows.collect();
     let written: Vec<String> = written.iter().map(|path| path.display().to_string()).collect();
-    json!({ "columns": header(motion, units), "rows": rows, "written": written })
+    let mut object = json!({ "columns": header(motion, units), "rows": rows, "written": written });
+    if let Some(reason) = &motion.stopped {
+        object["stopped"] = reason.as_str().into();
+    }
+    object
 }
 
 fn header(motion: &Motion, units: bool) -> Vec<String> {

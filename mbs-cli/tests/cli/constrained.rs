@@ -39,6 +39,12 @@ mechanism Parallel {
 }
 ";
 
+/// The rod whose bob has an inertia of its own along z.
+fn with_two_masses() -> String {
+    let rod = ROD.replace("particle(m, [x, 0, z])", "1/2*m*dt(x)^2 + 1/2*m_z*dt(z)^2");
+    rod.replace("param l:", "param m_z: kg = 1;\n    param l:")
+}
+
 fn workshop() -> Workshop {
     let workshop = Workshop::new();
     workshop.write("rod.mbs", ROD);
@@ -167,14 +173,13 @@ fn a_bad_guess_will_do() {
 #[test]
 fn inertia_is_needed_where_constraints_leave_motion() {
     let workshop = workshop();
-    let rod = ROD.replace("particle(m, [x, 0, z])", "1/2*m*dt(x)^2 + 1/2*m_z*dt(z)^2");
-    workshop.write("rod.mbs", rod.replace("param l:", "param m_z: kg = 1;\n    param l:"));
+    workshop.write("rod.mbs", with_two_masses());
     let state = r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6], "params": {"m_z": 0, "g": 0}}"#;
     let end = last(&workshop.good(&["simulate", "rod.mbs", "--state", state, "--t-end", "0.5"]));
     assert!((end("x") - 1.6).abs() < 1e-12 && (end("z") + 1.2).abs() < 1e-12, "{} {}", end("x"), end("z"));
     assert!((end("x_dot") - 0.8).abs() < 1e-12 && end("lambda_rod").abs() < 1e-12);
     // At the side of the circle the motion is along z, and has none.
-    let report = workshop.bad(&["simulate", "rod.mbs", "--state", state, "--t-end", "5"]);
+    let report = workshop.stopped(&["simulate", "rod.mbs", "--state", state, "--t-end", "5"]);
     assert!(report.starts_with("error: the integration stopped: "), "{report}");
     let nothing = r#"{"q": [2, 0], "params": {"m_z": 0}}"#;
     let report = workshop.bad(&["simulate", "rod.mbs", "--state", nothing, "--t-end", "5"]);
@@ -301,9 +306,48 @@ fn redundant_rows_are_named_or_share_their_force() {
         assert!((one - other).abs() < 1e-6, "{one} {other}");
     }
     // Flattened, the parallelogram may go on as another: the motion ends there rather than on a branch of its choice.
-    let report =
-        workshop.bad(&["simulate", "parallel.mbs", "--state", state, "--t-end", "3", "--redundant", "least-norm"]);
+    let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "3", "--redundant", "least-norm"];
+    let report = workshop.stopped(&run);
     assert!(report.starts_with("error: the integration stopped: "), "{report}");
+}
+
+/// The rows so far, which do not look as if they were all.
+#[test]
+fn a_motion_that_stops_is_written_as_far_as_it_came() {
+    let workshop = workshop();
+    // The bob without inertia along z comes to the height of the hinge at 1 s, infinitely fast.
+    let state = r#"{"q": [1.2, -1.6], "qd": [0.8, 0.6], "params": {"m_z": 0, "g": 0}}"#;
+    workshop.write("rod.mbs", with_two_masses());
+    let run = ["simulate", "rod.mbs", "--state", state, "--t-end", "5", "--dt", "0.1"];
+    let outcome = workshop.mbs(&run);
+    assert_eq!(outcome.code, 1, "{}", outcome.stderr);
+    let reason = "the integration stopped: the motion comes to a singular state at t = 0.9999999";
+    assert!(outcome.stderr.starts_with(&format!("error: {reason}")), "{}", outcome.stderr);
+    let way = "; a fixed step (method rk4) or other tolerances may pass it; ";
+    assert!(outcome.stderr.contains(way), "{}", outcome.stderr);
+    let lines: Vec<&str> = outcome.stdout.lines().collect();
+    assert!(lines[10].starts_with("0.9,1.92"), "{:?}", lines[10]);
+    assert!(lines[11].starts_with(&format!("# stopped: {reason}")) && lines.len() == 12, "{:?}", lines.last());
+    let files = ["--csv", "rows.csv", "--plot", "rows.svg", "--gltf", "rows.glb"];
+    let files = workshop.mbs(&[run.as_slice(), &files].concat());
+    assert_eq!((files.code, files.stdout.as_str(), &files.stderr), (1, "", &outcome.stderr));
+    assert_eq!(workshop.read("rows.csv"), outcome.stdout);
+    assert!(workshop.read("rows.svg").contains("Rod, stopped after t = 0.9"));
+    assert!(!workshop.path("rows.glb").exists());
+    let json = workshop.mbs(&[run.as_slice(), &["--json"]].concat());
+    let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
+    assert!(json["stopped"].as_str().unwrap().starts_with(reason));
+    assert_eq!(json["rows"].as_array().unwrap().len(), 10);
+}
+
+/// What is left of zero beside a length is not shown as a number that matters.
+#[test]
+fn states_are_shown_without_rounding() {
+    let workshop = workshop();
+    workshop.write("level.mbs", ROD.replace("potential += m*g*z", "constraint level: z = 0"));
+    let run = ["simulate", "level.mbs", "--state", r#"{"q": [1.5, 1e-30], "qd": [1e-9, 1e-40]}"#, "--t-end", "0"];
+    let warning = workshop.mbs(&run).stderr;
+    assert!(warning.contains("the motion starts from q = [2.0, 0.0]"), "{warning}");
 }
 
 /// `ẋ = 0` and `ẋ = a t`: they agree on velocities at t = 0, and not on accelerations.

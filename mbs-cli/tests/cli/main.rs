@@ -140,6 +140,16 @@ impl Workshop {
         self.failed(2, arguments)
     }
 
+    /// Simulates what stops before its end, into `motion.csv`: what standard error says.
+    fn stopped(&self, arguments: &[&str]) -> String {
+        let Outcome { code, stdout, stderr } = self.mbs(&[arguments, &["--csv", "motion.csv"]].concat());
+        assert_eq!((code, stdout.as_str()), (1, ""), "{arguments:?}: {stderr}");
+        let (reason, table) = (stderr.lines().last().unwrap(), self.read("motion.csv"));
+        let last = table.lines().last().unwrap();
+        assert_eq!(last.strip_prefix("# stopped: "), reason.strip_prefix("error: "));
+        stderr
+    }
+
     fn failed(&self, expected: i32, arguments: &[&str]) -> String {
         let before = self.files();
         let Outcome { code, stdout, stderr } = self.mbs(arguments);
