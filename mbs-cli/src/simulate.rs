@@ -4,6 +4,7 @@
 //! - [`assembly`]: the first state on the constraints;
 //! - [`motion`]: integration, and what is recorded of it; [`collapse`]: where it ends early, what is measured there;
 //! - [`drive`]: inputs and prescribed signals over time, as formulas and tables; [`curve`]: functions through tables;
+//! - [`until`]: what ends a motion before its time; [`formula`]: what is evaluated along it;
 //! - [`record`]: what is recorded besides; [`mod@column`]: names and units;
 //! - [`progress`]: the progress bar;
 //! - [`table`][]: CSV;
@@ -16,6 +17,7 @@ pub(crate) mod column;
 mod curve;
 pub(crate) mod drive;
 mod figure;
+pub(crate) mod formula;
 mod gltf;
 #[cfg(feature = "mcap")]
 mod mcap;
@@ -26,6 +28,7 @@ mod parquet;
 mod progress;
 pub(crate) mod record;
 mod table;
+mod until;
 
 use std::path::{Path, PathBuf};
 
@@ -41,6 +44,7 @@ use drive::{Drive, Drives};
 use method::{Accuracy, MOST_STEPS, Method};
 use motion::{Drift, Motion, Settings};
 use record::{Record, Recorder};
+use until::Until;
 
 use crate::cache::Cache;
 use crate::equations::{Equations, Redundant};
@@ -73,6 +77,10 @@ pub(crate) struct Arguments {
     /// End time in seconds; the start is the state's t.
     #[arg(long, value_name = "SECONDS", value_parser = finite, allow_negative_numbers = true)]
     t_end: f64,
+    /// End the motion where a formula in the model language passes zero, before --t-end: `theta`, `height - 0.5*l
+    /// falling`, `dt(x) rising`. The last row is that moment.
+    #[arg(long, value_name = "FORMULA [rising|falling]", allow_hyphen_values = true)]
+    until: Option<Until>,
     /// Integration method.
     #[arg(long, value_enum, default_value_t = Method::Dop853)]
     method: Method,
@@ -150,12 +158,14 @@ impl Arguments {
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mut files = Files::default();
     let sources = mechanism::open(&arguments.file, &mut files)?;
+    let until = arguments.until.as_ref();
+    let watched = until.map_or(Ok(Vec::new()), |until| until.watched(&sources))?;
     let drives = Drives {
         options: drive::OPTIONS,
         inputs: &arguments.input,
         signals: &arguments.signal,
         parameters: &[],
-        watched: &[],
+        watched: &watched,
     };
     drives.note(&mut files);
     let sources = drives.declared(sources)?;
@@ -164,7 +174,9 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         mechanism::note(mechanism::SCENE, &sources, cache, &mut files);
     }
     check_outputs(arguments, &mut files)?;
-    let derivation = mechanism::proved(&sources, cache)?.derivation;
+    let refused = |failure| until.and_then(|until| until.refused(&sources)).unwrap_or(failure);
+    let derivation = mechanism::proved(&sources, cache).map_err(refused)?.derivation;
+    let ending = until.map(|until| until.resolved(&derivation)).transpose()?;
     let scene = arguments.shows_bodies().then(|| mechanism::scene(&sources, cache)).transpose()?;
     if let Some(scene) = scene.as_ref().filter(|_| arguments.gltf.is_some()) {
         let mut read = Files::default();
@@ -210,11 +222,15 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     if !without.is_empty() {
         output::warn(format_args!("{} has no {} to record", derivation.name, without.join(", ")));
     }
-    let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder)?;
+    let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder, ending)?;
     if motion.stopped.is_some() {
         // What cannot say that it is a part of a motion is not written.
         deliver(&motion, &[], arguments)?;
         return motion.whole().map(drop);
+    }
+    let is_at_end = motion.rows.last().is_some_and(|row| row.t >= arguments.t_end);
+    if let (Some(until), true) = (until, is_at_end) {
+        output::warn(format_args!("`{}` has not happened before --t-end", until.text()));
     }
     let mut others: Vec<(&Path, Vec<u8>)> = Vec::new();
     #[cfg(feature = "parquet")]

@@ -49,7 +49,8 @@ pub(super) fn motion(derivation: &Derivation, start: &Point, seconds: f64) -> Re
         redundant_rows: RedundantRows::LeaveOut,
         held: Held::nothing(derivation.dof()),
     };
-    Motion::integrate(derivation, start, &times, &settings, Driven::default(), &Recorder::new(derivation, &[]))?.whole()
+    Motion::integrate(derivation, start, &times, &settings, Driven::default(), &Recorder::new(derivation, &[]), None)?
+        .whole()
 }
 
 /// What it has kept.

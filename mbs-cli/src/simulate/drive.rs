@@ -384,7 +384,7 @@ pub(crate) fn places_of_watched(text: &str) -> Vec<std::ops::Range<usize>> {
 }
 
 /// It is one expression, and nothing behind it.
-fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure> {
+pub(crate) fn check_formula(option: &str, name: &str, formula: &str) -> Result<(), Failure> {
     if formula.contains("//") {
         let reason = "a formula has no comment; leave out what stands behind `//`";
         return Err(Failure::new(format_args!("{option} {name}: {reason}")));

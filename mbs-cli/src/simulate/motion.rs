@@ -13,6 +13,7 @@ use super::drive::Driven;
 use super::method::{Accuracy, Method};
 use super::progress::Progress;
 use super::record::Recorder;
+use super::until::Ending;
 use super::{assembly, collapse};
 use crate::equations::{Equations, Motion as Moving, Solver};
 use crate::failure::Failure;
@@ -90,7 +91,7 @@ pub(crate) struct Row {
 
 impl Motion {
     /// From a state over the given times, the first of which is the state's; as far as it comes, if that is further
-    /// than its first row.
+    /// than its first row; or to where a formula passes zero.
     pub(crate) fn integrate(
         derivation: &Derivation,
         start: &Point,
@@ -98,12 +99,13 @@ impl Motion {
         settings: &Settings,
         driven: Driven,
         recorder: &Recorder<'_>,
+        ending: Option<Ending>,
     ) -> Result<Motion, Failure> {
         let equations = Equations::new(derivation, start)?.with_driven(driven);
         if settings.method.is_for_separable() && equations.depends_on_velocities() {
             output::warn("accelerations depend on velocities: the method is of order 1 and not symplectic here");
         }
-        let (rows, outcome) = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder);
+        let (rows, outcome) = Run { equations: &equations, settings, is_attended: true }.rows(times, recorder, ending);
         let stopped = outcome.err();
         if let Some(reason) = stopped.as_ref().filter(|_| rows.len() < 2) {
             return Err(Failure::new(reason));
@@ -181,12 +183,29 @@ pub(crate) struct Run<'a, 'd> {
 
 impl<'a, 'd> Run<'a, 'd> {
     /// The rows at these times, and what it took; or those before it stopped, and why.
-    fn rows(self, times: &[f64], recorder: &'a Recorder<'d>) -> (Vec<Row>, Result<Summary, String>) {
+    fn rows(
+        self,
+        times: &[f64],
+        recorder: &'a Recorder<'d>,
+        ending: Option<Ending>,
+    ) -> (Vec<Row>, Result<Summary, String>) {
         let end = times.last().copied().unwrap_or(self.equations.start_time());
         let rows = Vec::with_capacity(times.len());
         let mut recording = Recording { run: self, solver: self.solver(), recorder, remaining: times, rows };
-        let outcome = self.follow(end, &mut [], &mut recording);
-        (recording.rows, outcome.map(|(summary, _)| summary))
+        let function =
+            ending.map(|ending| move |t: f64, moving: &Moving| ending.formula.value(self.equations, t, moving));
+        let mut events: Vec<Event<'_, Vec<f64>>> = Vec::new();
+        if let (Some(function), Some(ending)) = (&function, ending) {
+            events.push(Event::new(function).direction(ending.direction).terminal());
+        }
+        let outcome = self.follow(end, &mut events, &mut recording).and_then(|(summary, last)| {
+            // Ended by its event between two rows.
+            if !recording.remaining.is_empty() && recording.rows.last().is_some_and(|row| row.t < summary.time) {
+                recording.record(summary.time, &last)?;
+            }
+            Ok(summary)
+        });
+        (recording.rows, outcome)
     }
 
     /// Integrates to this time, or to an event that ends it, before an onlooker; the state there.
@@ -412,7 +431,7 @@ mod tests {
         };
         let (equations, recorder) = (Equations::new(&derivation, &start).unwrap(), Recorder::new(&derivation, &[]));
         let run = Run { equations: &equations, settings: &settings, is_attended: true };
-        let (rows, outcome) = run.rows(&[0.0, 0.05], &recorder);
+        let (rows, outcome) = run.rows(&[0.0, 0.05], &recorder, None);
         let summary = outcome.unwrap();
         assert!(summary.evaluations < 10_000, "{summary:?}");
         let energy = |row: &Row| row.kinetic + row.potential;

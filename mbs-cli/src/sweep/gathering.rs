@@ -4,52 +4,12 @@
 //! are Simpson's rule over these places, of halves and their halves where nine places are too few. What comes and goes
 //! between them is not seen.
 
-use mbs_derive::interpret::State;
-use mbs_derive::optimise::FunctionKind;
 use mbs_ensemble::plan::{Direction, Reduction};
 use mbs_runtime::{Event, Response};
 
 use crate::equations::{Equations, Motion as Moving};
+use crate::simulate::formula::{Formula, runtime};
 use crate::simulate::motion::{Inside, Onlooker, Run};
-
-/// What is evaluated along a motion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Formula {
-    /// The number of the function that computes it.
-    Function(usize),
-    /// T
-    KineticEnergy,
-    /// V
-    PotentialEnergy,
-    /// T + V
-    Energy,
-}
-
-impl Formula {
-    /// The formula that a word stands for.
-    pub(super) fn of_word(word: &str) -> Option<Self> {
-        match word {
-            "kinetic_energy" => Some(Formula::KineticEnergy),
-            "potential_energy" => Some(Formula::PotentialEnergy),
-            "energy" => Some(Formula::Energy),
-            _ => None,
-        }
-    }
-
-    fn value(self, equations: &Equations<'_>, t: f64, moving: &Moving) -> f64 {
-        equations.at(t, &moving.q, &moving.qd, |state| self.of(equations, state))
-    }
-
-    fn of(self, equations: &Equations<'_>, state: &State) -> f64 {
-        let energy = |kind| equations.scalar(kind, state);
-        match self {
-            Formula::Function(number) => equations.evaluate_number(number, state),
-            Formula::KineticEnergy => energy(FunctionKind::KineticEnergy),
-            Formula::PotentialEnergy => energy(FunctionKind::PotentialEnergy),
-            Formula::Energy => energy(FunctionKind::KineticEnergy) + energy(FunctionKind::PotentialEnergy),
-        }
-    }
-}
 
 /// A quantity that is wanted.
 #[derive(Clone, Debug)]
@@ -129,14 +89,6 @@ pub(super) fn quantities(
         Reduction::Happened(_) => Ok(passed.next().map_or(f64::NAN, |(_, count)| f64::from(u8::from(count > 0)))),
     });
     values.collect()
-}
-
-fn runtime(direction: Direction) -> mbs_runtime::Direction {
-    match direction {
-        Direction::Any => mbs_runtime::Direction::Any,
-        Direction::Rising => mbs_runtime::Direction::Rising,
-        Direction::Falling => mbs_runtime::Direction::Falling,
-    }
 }
 
 /// What is known of a quantity so far.

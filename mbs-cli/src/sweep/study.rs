@@ -18,7 +18,7 @@ use mbs_ensemble::table::Column;
 use mbs_ensemble::{Design, Fault, Faults, Member, Motion, Plan};
 use mbs_native::{Compilers, NotCompiled};
 
-use super::gathering::{Formula, Wanted, quantities};
+use super::gathering::{Wanted, quantities};
 use super::names::{Names, Slot};
 use super::start::Start;
 use crate::cache::Cache;
@@ -30,6 +30,7 @@ use crate::message::Messages;
 use crate::output;
 use crate::simulate::assembly::Held;
 use crate::simulate::drive::{self, Drive, Driven, Drives};
+use crate::simulate::formula::Formula;
 use crate::simulate::method::{Accuracy, MOST_STEPS, Method};
 use crate::simulate::motion::{Drift, Run, Settings};
 use crate::state::Point;
@@ -300,10 +301,9 @@ impl Reading<'_> {
     fn formulas(&self, sources: &Sources) -> Vec<Located<String>> {
         let until = self.plan.motion.iter().filter_map(|motion| motion.until.as_ref()).map(|until| &until.formula);
         let text = sources.main().text.clone().unwrap_or_default();
-        let is_word = |formula: &str| Formula::of_word(formula).is_some() && !declares(&text, formula);
         let mut formulas: Vec<Located<String>> = Vec::new();
         for formula in self.plan.quantities.iter().map(|entry| &entry.value.formula).chain(until) {
-            if !is_word(&formula.value) && formulas.iter().all(|other| other.value != formula.value) {
+            if !Formula::is_word(&formula.value, &text) && formulas.iter().all(|other| other.value != formula.value) {
                 formulas.push(formula.clone());
             }
         }
@@ -366,14 +366,8 @@ impl Reading<'_> {
         formulas: &[Located<String>],
         formula: &Located<String>,
     ) -> Result<(Formula, String), Failure> {
-        let known = formulas.iter().position(|other| other.value == formula.value);
-        let found = match known {
-            None => Formula::of_word(&formula.value).map(|word| (word, "J".to_string())),
-            Some(number) => match drive::watched(derivation, number) {
-                Some((number, [unit])) => Some((Formula::Function(number), unit.clone())),
-                _ => None,
-            },
-        };
+        let watched: Vec<String> = formulas.iter().map(|formula| formula.value.clone()).collect();
+        let found = Formula::resolved(derivation, &formula.value, &watched);
         found.ok_or_else(|| self.text.fault(Fault::new(formula.span.clone(), "a quantity is one number")))
     }
 
@@ -566,11 +560,6 @@ fn parameter(entry: &Named<Located<Amount>>) -> (String, String) {
         Amount::Text(text) => text.trim().to_string(),
     };
     (entry.name.value.clone(), value)
-}
-
-/// Whether a mechanism's text has a word: then it is what the mechanism says it is.
-fn declares(text: &str, word: &str) -> bool {
-    text.split(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).any(|part| part == word)
 }
 
 /// Parameters as declared, all else zero.

@@ -408,3 +408,42 @@ fn mistakes_in_formulas_are_underlined_in_what_was_given() {
     assert!(report.contains("--> shaken.mbs:10:16\n"), "{report}");
     assert!(report.contains("|     force x += pusch;\n"), "{report}");
 }
+
+/// `E = T + V` at the bottom: `θ̇² = 2 g (1 − cos θ₀)/l`, as in a plan with the same `until`.
+#[test]
+fn a_motion_ends_where_a_formula_passes_zero() {
+    let workshop = Workshop::new();
+    let state = r#"{"theta": 1, "params": {"b": 0}}"#;
+    let run = ["simulate", "pendulum.mbs", "--state", state, "--t-end", "5", "--dt", "0.2", "--until"];
+    let rows = |until: &str, more: &[&str]| -> Vec<Vec<f64>> {
+        let csv = workshop.good(&[run.as_slice(), &[until], more].concat());
+        csv.lines().skip(1).map(|row| row.split(',').map(|number| number.parse().unwrap()).collect()).collect()
+    };
+    let falling = rows("theta falling", &[]);
+    let [t, theta, rate] = falling.last().unwrap()[..3] else { panic!("{falling:?}") };
+    assert!(theta.abs() < 1e-12 && (rate + (10.0 * (1.0 - 1_f64.cos())).sqrt()).abs() < 1e-8, "{falling:?}");
+    assert_eq!(falling.len(), (t / 0.2).ceil() as usize + 1);
+    // On the way back, of the same formula; constraints, inputs and words do as well.
+    assert!((rows("theta rising", &[]).last().unwrap()[0] - 3.0 * t).abs() < 1e-8);
+    assert!((rows("-theta rising", &["--input", "tau=0*m*g*l*theta"]).last().unwrap()[0] - t).abs() < 1e-8);
+    assert!((rows("height - 0.2*l falling", &[]).last().unwrap()[1] - 0.8_f64.acos()).abs() < 1e-9);
+    workshop.write(
+        "plan.toml",
+        "mechanism = \"pendulum.mbs\"\n[vary]\ntheta = { values = [1] }\n[fixed]\nb = 0\n[motion]\nduration = \"5 s\"\n\
+         until = { zero = \"theta\", direction = \"falling\" }\n[quantities]\nat = { final = \"t\" }\n",
+    );
+    workshop.good(&["sweep", "plan.toml", "--interpret"]);
+    let table = workshop.read("plan.csv");
+    let at: f64 = table.lines().last().unwrap().split(',').nth(2).unwrap().parse().unwrap();
+    assert!((at - t).abs() < 1e-10, "{at} {t}");
+
+    let never = workshop.mbs(&[run.as_slice(), &["theta - 2 rising"]].concat());
+    let warning = "warning: `theta - 2 rising` has not happened before --t-end\n";
+    assert_eq!((never.code, never.stderr.as_str()), (0, warning));
+    let report = workshop.bad(&[run.as_slice(), &["tehta falling"]].concat());
+    assert!(report.starts_with("error[MBS0310]: `tehta` is not declared\n --> --until:1:1\n"), "{report}");
+    let report = workshop.bad(&[run.as_slice(), &["[theta, 0, 0]"]].concat());
+    assert_eq!(report, "error: --until \"[theta, 0, 0]\": a formula that passes zero is one number\n");
+    let report = workshop.misused(&[run.as_slice(), &["falling"]].concat());
+    assert!(report.contains("write a formula and, if need be, its direction: `height falling`"), "{report}");
+}
