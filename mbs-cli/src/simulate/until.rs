@@ -86,7 +86,7 @@ impl Until {
 
     /// What evaluates it.
     pub(crate) fn resolved(&self, derivation: &Derivation) -> Result<Ending, Failure> {
-        let found = Formula::resolved(derivation, &self.formula, &[self.formula.clone()])
+        let found = Formula::resolved(derivation, &self.formula, std::slice::from_ref(&self.formula))
             .or_else(|| Formula::resolved(derivation, &self.formula, &[]));
         let (formula, _) = found.ok_or_else(|| {
             Failure::new(format_args!("{OPTION} \"{}\": a formula that passes zero is one number", self.formula))
