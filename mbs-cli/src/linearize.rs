@@ -45,6 +45,9 @@ pub(crate) struct Arguments {
     /// table of `mbs simulate` (`x_dot`). The rest stays as given.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     trim: Vec<String>,
+    /// With --trim, coordinates whose accelerations need not vanish: in a steady turn along x, the velocity across, y.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', requires = "trim")]
+    accelerating: Vec<String>,
     /// Take these coordinates, and their velocities, as the independent ones; else they are chosen.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     independent: Vec<String>,
@@ -65,14 +68,16 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let independent = numbers(&arguments.independent, &names, "coordinates", &derivation)?;
     if !arguments.trim.is_empty() {
         let free = numbers(&arguments.trim, &trim::names(&derivation), "quantities that can be trimmed", &derivation)?;
-        trim::trim(&derivation, &mut point, &free)?;
+        let accelerating = numbers(&arguments.accelerating, &names, "coordinates", &derivation)?;
+        trim::trim(&derivation, &mut point, &free, &accelerating)?;
     }
     LostRank::of(&derivation).warn(&point, "the state")?;
     let mut system = system::linearize(&derivation, &point, &independent)?;
     if let Some(time) = arguments.sample_time {
         system = system.sampled(time)?;
     }
-    let report = Report::new(&derivation, &point, &system, arguments.sample_time);
+    let mut report = Report::new(&derivation, &point, &system, arguments.sample_time);
+    report.is_steady = !arguments.accelerating.is_empty();
     output::answer(|| report.json(), || report.text())
 }
 
@@ -117,6 +122,8 @@ struct Report<'a> {
     poles: Option<Vec<Complex<f64>>>,
     sample_time: Option<f64>,
     ranks: [usize; 2],
+    /// Whether accelerations are those of a steady motion that was searched for.
+    is_steady: bool,
 }
 
 impl<'a> Report<'a> {
@@ -138,6 +145,7 @@ impl<'a> Report<'a> {
             poles,
             sample_time,
             ranks: [system.controllability_rank(), system.observability_rank()],
+            is_steady: false,
         }
     }
 
@@ -190,7 +198,8 @@ impl<'a> Report<'a> {
         let _ = writeln!(text, "about t = {:?}, q = {q:?}, qd = {qd:?}, u = {u:?}", state.t);
         let greatest = self.system.accelerations.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         if greatest > 1e-9 {
-            let _ = writeln!(text, "no equilibrium: accelerations {:?}", without_noise(&self.system.accelerations));
+            let what = if self.is_steady { "a steady motion with the" } else { "no equilibrium:" };
+            let _ = writeln!(text, "{what} accelerations {:?}", without_noise(&self.system.accelerations));
         }
         if let Some(time) = self.sample_time {
             let _ = writeln!(text, "sampled every {time:?} s");

@@ -1,4 +1,4 @@
-//! The search for a state without accelerations.
+//! The search for a state without accelerations, but for those that a steady motion has.
 //!
 //! `q̈(q, q̇, u) = 0`, `φ(q) = 0` and `A q̇ + b = 0` are solved for what is free by Newton's method: steps of least
 //! norm, halved while what is left grows. Rows are weighed by the size of their derivatives.
@@ -11,7 +11,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::along::Along;
 use crate::failure::Failure;
+use crate::output;
 use crate::state::Point;
+use crate::words::{abridged, vector, without_noise};
 
 const MOST_STEPS: usize = 100;
 const MOST_HALVINGS: usize = 30;
@@ -25,10 +27,16 @@ pub(super) fn names(derivation: &Derivation) -> Vec<String> {
     [coordinates, velocities, component_names(&derivation.inputs)].concat()
 }
 
-/// Changes what is free so that the state stays without accelerations.
-pub(super) fn trim(derivation: &Derivation, point: &mut Point, free: &[usize]) -> Result<(), Failure> {
+/// Changes what is free so that the state stays without accelerations, those of some coordinates excepted.
+pub(super) fn trim(
+    derivation: &Derivation,
+    point: &mut Point,
+    free: &[usize],
+    accelerating: &[usize],
+) -> Result<(), Failure> {
     let interpreter = Interpreter::with_parameters(derivation, point.parameters.clone());
-    let conditions = Conditions { derivation, interpreter, parameters: point.parameters.clone(), free };
+    let conditions = Conditions { derivation, interpreter, parameters: point.parameters.clone(), free, accelerating };
+    let given = point.state.qd.clone();
     let mut left = conditions.evaluate(&point.state)?;
     for _ in 0..MOST_STEPS {
         let step = left.step()?;
@@ -54,7 +62,26 @@ pub(super) fn trim(derivation: &Derivation, point: &mut Point, free: &[usize]) -
             break;
         }
     }
-    conditions.check(&point.state, &left)
+    conditions.check(&point.state, &left)?;
+    warn_of_lost_speeds(derivation, &given, &point.state.qd);
+    Ok(())
+}
+
+/// A search that is free to choose speeds may end at rest, where nobody has asked for that.
+fn warn_of_lost_speeds(derivation: &Derivation, given: &[f64], found: &[f64]) {
+    let names = component_names(&derivation.coordinates);
+    let is_lost = |i: &usize| given[*i] != 0.0 && (found[*i] - given[*i]).abs() > 0.5 * given[*i].abs();
+    let lost = (0..given.len()).filter(is_lost).map(|i| {
+        let found = without_noise(&[given[i], found[i]])[1];
+        format!("`{}_dot` is {found:?}, {:?} was given", names[i], given[i])
+    });
+    let lost: Vec<String> = lost.collect();
+    if !lost.is_empty() {
+        output::warn(format_args!(
+            "the equilibrium is far from the state given: {}; leave out of `--trim` what is to stay",
+            abridged(&lost)
+        ));
+    }
 }
 
 struct Conditions<'a> {
@@ -63,6 +90,8 @@ struct Conditions<'a> {
     parameters: Vec<f64>,
     /// Numbers among coordinates, velocities and inputs.
     free: &'a [usize],
+    /// Coordinates whose accelerations need not vanish.
+    accelerating: &'a [usize],
 }
 
 /// What is to be zero, and its derivatives in what is free.
@@ -132,7 +161,11 @@ impl Conditions<'_> {
                 _ => 0.0,
             }
         };
-        let slopes = DMatrix::from_fn(values.len(), self.free.len(), |i, j| slope(i, self.free[j]));
+        let mut slopes = DMatrix::from_fn(values.len(), self.free.len(), |i, j| slope(i, self.free[j]));
+        for &i in self.accelerating {
+            values[i] = 0.0;
+            slopes.row_mut(i).fill(0.0);
+        }
         if values.iter().chain(slopes.iter()).all(|x| x.is_finite()) {
             Ok(Left { values: DVector::from_vec(values), slopes })
         } else {
@@ -192,10 +225,16 @@ impl Conditions<'_> {
                     i if i < n + k => format!("`{}`", self.derivation.constraints[i - n]),
                     i => format!("the rate of `{}`", self.derivation.constraints[i - n - k]),
                 };
+                // In a turn the velocity turns, too.
+                let turns = if i < n && state.qd.iter().any(|&rate| rate != 0.0) {
+                    ", or the coordinate in `--accelerating` where a steady motion has such an acceleration, as in a turn"
+                } else {
+                    ""
+                };
+                let [q, qd, u] = [&state.q, &state.qd, &state.u].map(|numbers| vector(numbers));
                 return Err(Failure::new(format_args!(
-                    "no equilibrium was found: {what} stays at {value:e}, with q = {:?}, qd = {:?}, u = {:?}; another guess, \
-                     or more names in `--trim`, may help",
-                    state.q, state.qd, state.u
+                    "no equilibrium was found: {what} stays at {value:e}, with q = {q}, qd = {qd}, u = {u}; another guess, or \
+                     more names in `--trim`, may help{turns}"
                 )));
             }
         }

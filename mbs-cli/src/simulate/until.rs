@@ -66,8 +66,8 @@ impl Until {
         Ok(vec![self.formula.clone()])
     }
 
-    /// What is wrong with the formula in a mechanism that was declared with it; `None` where it is the mechanism that is
-    /// wrong.
+    /// What is wrong with the formula in a mechanism that was declared with it; `None` where it is the mechanism that
+    /// is wrong.
     pub(crate) fn refused(&self, sources: &Sources) -> Option<Failure> {
         let Err(Error::Declaration(errors)) = Analysis::of(sources, &Graph::verbatim()) else { return None };
         let text = sources.main().text.clone().ok()?;

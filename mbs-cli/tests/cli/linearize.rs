@@ -572,3 +572,27 @@ fn undamped_modes_have_no_sign() {
     let text = workshop.good(&["linearize", "pendulum.mbs", "--state", r#"{"theta": "180 deg"}"#]);
     assert!(text.contains("  -1.0000\n"), "{text}");
 }
+
+/// The disk in a circle, from a guess of its speeds; in a turn the velocity turns with the heading.
+#[test]
+fn steady_turns_are_found() {
+    let workshop = Workshop::new();
+    workshop.write("disk.mbs", DISK);
+    let state = r#"{"lean": 0.3, "x_dot": -1, "heading_dot": 2, "spin_dot": -4}"#;
+    let run = ["linearize", "disk.mbs", "--state", state, "--trim", "x_dot,spin_dot"];
+    let report = workshop.bad(&run);
+    assert!(report.starts_with("error: no equilibrium was found: the acceleration of `y` stays at "), "{report}");
+    assert!(report.contains("or the coordinate in `--accelerating` where a steady motion has such"), "{report}");
+    let found = linearized(&workshop, &[&run[1..], &["--accelerating", "y"]].concat());
+    let speeds = &found["state"]["qd"];
+    for (number, expected) in [(0, -0.9819775155573364), (4, -3.8642987985138006)] {
+        assert!((speeds[number].as_f64().unwrap() - expected).abs() < 1e-9, "{speeds}");
+    }
+    let text = workshop.good(&[run.as_slice(), &["--accelerating", "y"]].concat());
+    assert!(text.contains("\na steady motion with the accelerations [0.0, -1.96395503111"), "{text}");
+    assert!(workshop.misused(&["linearize", "disk.mbs", "--state", state, "--accelerating", "y"]).contains("--trim"));
+    // Free to choose all speeds, the nearest equilibrium is another motion.
+    let free = ["--trim", "lean,x_dot,y_dot,heading_dot,spin_dot"];
+    let rest = workshop.mbs(&[&run[..4], &free].concat());
+    assert!(rest.stderr.starts_with("warning: the equilibrium is far from the state given: `"), "{}", rest.stderr);
+}
