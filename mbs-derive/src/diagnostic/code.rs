@@ -154,6 +154,7 @@ codes! {
     AngleInDegrees = 819,
     NoDerivative = 820,
     UndefinedAtRest = 821,
+    PlaceNoBodyHolds = 822,
 
     // Bodies, poses, inertia.
     NegativeMass = 901,

@@ -3,10 +3,11 @@
 //! - [`degree`]: what must hold of the energies; [`velocity`]: their degree; [`inertia`]: of every motion;
 //! - [`rank`]: the rows of constraints; [`closure`]: whether constraints can hold together;
 //! - [`singular`], [`sign`]: what it was probably not meant to do; [`misplaced`]: places counted from another origin
-//!   than meant;
+//!   than meant; [`contact`]: forces at places that no body holds;
 //! - [`requirement`]: what parameters must satisfy whenever they are set; [`sample`]: random states.
 
 pub(in crate::model) mod closure;
+pub(in crate::model) mod contact;
 pub(super) mod degree;
 pub(in crate::model) mod inertia;
 pub(in crate::model) mod misplaced;
@@ -24,6 +25,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diagnostic::Code;
 use crate::expr::{Expr, Matrix, Node, Symbol, evaluate};
+use crate::model::check::contact::Acting;
 use crate::model::check::degree::{IF_INDEPENDENT, Problem};
 use crate::model::check::relation::Relation;
 use crate::model::check::sample::default_parameters;
@@ -75,6 +77,8 @@ pub(in crate::model) struct Found<'g> {
     pub(in crate::model) weights: Weights<'g>,
     /// Where each kinetic, potential and lagrangian term and each constraint stands.
     pub(in crate::model) places: Places,
+    /// The forces that were declared with their places.
+    pub(in crate::model) acting: Vec<Acting<'g>>,
     /// Joints whose wrenches are asked for, as far as they have been met.
     pub(in crate::model) joints: Vec<Joint>,
     /// Of each constraint, which of its rows do not vanish.
@@ -116,6 +120,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         if !self.report.errors.has_errors() {
             self.warn_of_signs();
             self.warn_of_double_gravity();
+            self.warn_of_places_no_body_holds();
             self.warn_of_singular_derivatives();
             self.warn_of_unsatisfiable_constraints();
         }

@@ -48,7 +48,7 @@ impl<'g> Resolver<'_, 'g> {
         if !entries.iter().any(|e| self.known.facts.dependence(*e).on(Dependence::COORDINATE)) {
             return Ok(());
         }
-        let moved = self.coordinates_in(self.lagrangian.frames.path(frame).iter().flat_map(motions).collect());
+        let moved = self.coordinates_moving(frame);
         let own = self.coordinates_in(entries.to_vec());
         let shared: Vec<usize> = own.intersection(&moved).copied().collect();
         if shared.is_empty() {
@@ -85,7 +85,7 @@ impl<'g> Resolver<'_, 'g> {
     }
 
     /// The coordinates, not auxiliary ones of joints, that some expressions depend on.
-    fn coordinates_in(&self, exprs: Vec<Expr<'g>>) -> BTreeSet<usize> {
+    pub(in crate::model) fn coordinates_in(&self, exprs: Vec<Expr<'g>>) -> BTreeSet<usize> {
         let own = self.lagrangian.dof();
         let reachable = self.graph.reachable(exprs.into_iter().map(|e| e.id())).into_iter();
         let number = |id| match self.graph.node(id) {
@@ -95,8 +95,13 @@ impl<'g> Resolver<'_, 'g> {
         reachable.filter_map(number).filter(|i| *i < own).collect()
     }
 
+    /// The coordinates that move a frame.
+    pub(in crate::model) fn coordinates_moving(&self, frame: FrameId) -> BTreeSet<usize> {
+        self.coordinates_in(self.lagrangian.frames.path(frame).iter().flat_map(motions).collect())
+    }
+
     /// "`x` and `q_0`"
-    fn names_of(&self, coordinates: &[usize]) -> String {
+    pub(in crate::model) fn names_of(&self, coordinates: &[usize]) -> String {
         let names = component_names(&self.lagrangian.coordinates);
         let quoted: Vec<String> =
             coordinates.iter().filter_map(|&i| names.get(i)).map(|name| format!("`{name}`")).collect();

@@ -2,21 +2,28 @@
 
 use crate::diagnostic::Code;
 use crate::expr::{Matrix, Vector};
+use crate::model::check::contact::{Acting, Position};
 use crate::model::frame::FrameId;
 use crate::model::lagrangian::{Application, PointForce};
 use crate::model::landmark::Motion;
 use crate::model::value::constant::Dependence;
 use crate::model::value::dimension::Dimension;
 use crate::model::value::evaluate::{Argument, Resolved, Resolver};
-use crate::model::value::{Free, Value};
+use crate::model::value::{Free, Point, Value};
 use crate::parse::syntax::{Expression, Span};
 
 impl<'d, 'g> Resolver<'d, 'g> {
     /// `force at point += value;`
     pub(in crate::model) fn force_at(&mut self, point: &Expression, value: &Expression) -> Resolved<()> {
-        let (velocity, force) = (self.velocity_at(point), self.argument(value));
+        let (found, force) = (self.velocity_at(point), self.argument(value));
         let newton = Dimension::ENERGY.over(Dimension::LENGTH).unwrap_or(Dimension::ONE);
-        self.does_work(velocity, force, "a force", newton)
+        let number = self.lagrangian.point_forces.len();
+        self.does_work(found.clone().map(|(velocity, _)| velocity), force, "a force", newton)?;
+        if let Ok((velocity, position)) = found {
+            let place = self.report.here(&point.span);
+            self.found.acting.push(Acting { number, axes: velocity.frame, position, place });
+        }
+        Ok(())
     }
 
     /// `torque on pose += value;`
@@ -46,7 +53,8 @@ impl<'d, 'g> Resolver<'d, 'g> {
         rate.0.iter().any(|c| self.known.facts.dependence(*c).on(Dependence::VELOCITY))
     }
 
-    fn velocity_at(&mut self, point: &Expression) -> Resolved<Free<'g>> {
+    /// The velocity of a place, and the place.
+    fn velocity_at(&mut self, point: &Expression) -> Resolved<(Free<'g>, Position<'g>)> {
         let place = self.argument(point)?;
         let span = point.span.clone();
         if !matches!(place.value, Value::Point(_)) {
@@ -54,15 +62,16 @@ impl<'d, 'g> Resolver<'d, 'g> {
             self.check_dimension(vector.fit(), "the place that a force acts at", Dimension::LENGTH, &span)?;
             self.warn_of_a_vector_for_a_place(&place);
         }
-        let rate = match &place.value {
-            Value::Point(_) => self.rate(&place)?,
+        let (rate, position) = match &place.value {
+            Value::Point(Point { coordinates, frame }) => (self.rate(&place)?, Position::Of(*coordinates, *frame)),
             _ => {
                 let vector = self.vector(&place)?;
-                self.rate(&Argument { value: Value::Vector(vector), span: span.clone() })?
+                let rate = self.rate(&Argument { value: Value::Vector(vector), span: span.clone() })?;
+                (rate, Position::FromTheWorld(vector.components, vector.frame))
             }
         };
         self.check_moved(&rate, &span)?;
-        self.vector(&Argument { value: rate, span })
+        Ok((self.vector(&Argument { value: rate, span })?, position))
     }
 
     /// A force on what no coordinate moves does nothing.
