@@ -333,7 +333,8 @@ fn headers_are_clean_together() {
     std::fs::write(folder.path().join("all.cpp"), classes + "int main() { return 0; }\n").expect("written");
     for [c, cpp] in compilers() {
         compiled(c, &["-std=c99", "-fsyntax-only", "all.c"], folder.path());
-        compiled(c, &["-std=c99", "-DMBS_REAL=float", "-fsyntax-only", "all.c"], folder.path());
+        // Of processors without double arithmetic nothing is asked in it.
+        compiled(c, &["-std=c99", "-DMBS_REAL=float", "-Wdouble-promotion", "-fsyntax-only", "all.c"], folder.path());
         compiled(c, &["-std=c99", "-DMBS_LIBRARY_TRIGONOMETRY", "-fsyntax-only", "all.c"], folder.path());
         compiled(cpp, &["-std=c++17", "-fsyntax-only", "all.cpp"], folder.path());
     }
@@ -345,16 +346,17 @@ fn names_of_the_library_are_no_trouble() {
     if !has("cc") {
         return;
     }
-    let text = "mechanism Round { param exp: kg = 2; param q: kg = 2; param NAN: kg = 1; param reciprocals: N/m = 3; coord double: m; coord DOUBLE: m; coord y0: m; kinetic += exp*dt(DOUBLE)^2; \
+    let text = "mechanism Round { param exp: kg = 2; param q: kg = 2; param NAN: kg = 1; param I: kg = 0.5; param CHAR_BIT: kg = 1; param reciprocals: N/m = 3; coord double: m; coord DOUBLE: m; coord y0: m; coord signgam: m; kinetic += I*dt(signgam)^2/2 + CHAR_BIT*signgam^2/(1 m^2)*dt(signgam)^2; kinetic += exp*dt(DOUBLE)^2; \
                 kinetic += exp/2*(dt(double)^2 + dt(y0)^2) + exp/4*sin(double/(1 m))*dt(double)*dt(y0) + (q + NAN)*dt(y0)^2; \
                 potential += reciprocals*(double^2 + y0^2)/2; output result = double; output NULL = y0; output parameters = y0*double; }";
     let folder = tempfile::tempdir().expect("a folder");
     let round = Case::new("round", &Sources::new("round.mbs", text));
     let header = Language::C.write(&round.of, "round.mbs", &Options::default());
     std::fs::write(folder.path().join("round.h"), header).expect("written");
-    std::fs::write(folder.path().join("main.c"), "#include \"round.h\"\nint main(void) { return 0; }\n")
-        .expect("written");
+    let main = "#include <complex.h>\n#include <limits.h>\n#include \"round.h\"\nint main(void) { return 0; }\n";
+    std::fs::write(folder.path().join("main.c"), main).expect("written");
     compiled("cc", &["-std=c99", "-fsyntax-only", "main.c"], folder.path());
+    compiled("cc", &["-std=c99", "-D_DEFAULT_SOURCE", "-fsyntax-only", "main.c"], folder.path());
     compiled("cc", &["-x", "c++", "-std=c++17", "-fsyntax-only", "main.c"], folder.path());
 }
 

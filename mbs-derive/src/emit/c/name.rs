@@ -408,9 +408,12 @@ const LIBRARY: &[&str] = &[
     "shuffle",
 ];
 
-/// Macros of the headers that headers of C++ include, besides those that begin or end as others do.
+/// Macros of the headers that headers of C++ include, besides those that begin or end as others do; and the variable
+/// of math.h that a local would hide.
 const MACROS: &[&str] = &[
+    "I",
     "errno",
+    "signgam",
     "complex",
     "imaginary",
     "alloca",
@@ -444,6 +447,48 @@ const MACROS: &[&str] = &[
     "WNOWAIT",
 ];
 
+/// Macros of fenv.h, limits.h, signal.h and unistd.h that do not begin as many others do.
+const OTHER_MACROS: &str = "CSIGNAL F_LOCK F_OK F_TEST F_TLOCK F_ULOCK L_INCR L_SET L_XTND MAX_CANON MAX_INPUT \
+    MINSIGSTKSZ NGREG NSIG NZERO PIPE_BUF R_OK TIME_UTC W_OK X_OK SIGABRT SIGALRM SIGBUS SIGCHLD SIGCLD SIGCONT SIGFPE \
+    SIGHUP SIGILL SIGINT SIGIO SIGIOT SIGKILL SIGPIPE SIGPOLL SIGPROF SIGPWR SIGQUIT SIGRTMAX SIGRTMIN SIGSEGV \
+    SIGSTKFLT SIGSTKSZ SIGSTOP SIGSYS SIGTERM SIGTRAP SIGTSTP SIGTTIN SIGTTOU SIGURG SIGUSR1 SIGUSR2 SIGVTALRM \
+    SIGWINCH SIGXCPU SIGXFSZ FE_ALL_EXCEPT FE_DFL_ENV FE_DIVBYZERO FE_DOWNWARD FE_INEXACT FE_INVALID FE_OVERFLOW \
+    FE_TONEAREST FE_TOWARDZERO FE_UNDERFLOW FE_UPWARD";
+
+/// What POSIX and C have limits of.
+const LIMITED: &[&str] = &[
+    "INT",
+    "UINT",
+    "PTRDIFF",
+    "SIZE",
+    "SSIZE",
+    "WCHAR",
+    "WINT",
+    "SIG_ATOMIC",
+    "BOOL",
+    "CHAR",
+    "SCHAR",
+    "UCHAR",
+    "SHRT",
+    "USHRT",
+    "LONG",
+    "ULONG",
+    "LLONG",
+    "ULLONG",
+    "MB_LEN",
+    "NAME",
+    "PATH",
+    "LINE",
+    "IOV",
+    "HOST_NAME",
+    "LOGIN_NAME",
+    "TTY_NAME",
+    "WORD",
+    "RE_DUP",
+    "RTSIG",
+    "SEM_VALUE",
+];
+
 /// Whether a header of the library may define a macro of this name.
 fn is_macro(name: &str) -> bool {
     let begins = |starts: &[&str]| starts.iter().any(|start| name.starts_with(start));
@@ -451,11 +496,11 @@ fn is_macro(name: &str) -> bool {
     // ISO/IEC 9899:2011, 7.31.3, leaves an E with a capital letter to errno.h; in use are those with three or more.
     let is_error =
         name.len() > 2 && name.starts_with('E') && name[1..].chars().all(|c| matches!(c, 'A'..='Z' | '0'..='9'));
-    let is_limit = begins(&["INT", "UINT", "PTRDIFF", "SIZE", "WCHAR", "WINT", "SIG_ATOMIC"])
-        && ends(&["_MAX", "_MIN", "_C", "_WIDTH"]);
-    let is_of_math = begins(&["M_", "FP_", "MATH_", "SNAN", "HUGE_VAL"]);
-    let is_of_the_system = begins(&["LC_", "SEEK_", "FD_", "EXIT_", "RENAME_"]);
-    is_error || is_limit || is_of_math || is_of_the_system || MACROS.contains(&name)
+    let is_limit = begins(LIMITED) && ends(&["_MAX", "_MIN", "_C", "_WIDTH", "_BIT"]);
+    let is_of_math = begins(&["M_", "FP_", "MATH_", "SNAN", "HUGE_VAL", "DBL_", "FLT_", "LDBL_"]);
+    let is_of_the_system = begins(&["LC_", "SEEK_", "FD_", "EXIT_", "RENAME_", "SIG_", "CLOCKS_"]);
+    let is_another = MACROS.contains(&name) || OTHER_MACROS.split_whitespace().any(|other| other == name);
+    is_error || is_limit || is_of_math || is_of_the_system || is_another
 }
 
 /// The identifier for a name of Rust.
@@ -505,12 +550,15 @@ mod tests {
         {
             assert_eq!(identifier(name), format!("c_{name}"));
         }
-        // Macros of <complex.h>.
+        // Macros of <complex.h>, <limits.h>, <float.h>, <signal.h>, and glibc's variable in <math.h>.
         assert_eq!(["complex", "imaginary"].map(prefix), ["c_complex", "c_imaginary"]);
         // And what would be called like one of them.
         let names = ["q", "c_q", "c_c_q", "double", "c_double", "c_mass"].map(identifier);
         assert_eq!(names, ["c_q", "c_c_q", "c_c_c_q", "c_double", "c_c_double", "c_mass"]);
-        for name in ["E", "EI", "Ex", "INTake", "L_max", "mass", "M", "F_D"] {
+        for name in ["I", "CHAR_BIT", "LONG_MAX", "PATH_MAX", "DBL_MAX", "FLT_DIG", "SIGINT", "F_OK", "signgam"] {
+            assert_eq!(identifier(name), format!("c_{name}"));
+        }
+        for name in ["E", "EI", "Ex", "INTake", "L_max", "mass", "M", "F_D", "I_1", "J", "SIGMA", "i", "L_MAX"] {
             assert_eq!(identifier(name), name);
         }
         assert_eq!(

@@ -36,7 +36,7 @@ MBS_FN mbs_real mbs_agreement(void)
 /* A row of which no more than this is left depends on others. */
 MBS_FN mbs_real mbs_least_slope(int small)
 {
-    const mbs_real least = MBS_C(mbs_agreement() * 1e-2);
+    const mbs_real least = mbs_agreement() * MBS_C(1e-2);
     return small == 0 ? least : mbs_larger(mbs_scaled(least, -small), MBS_C(16.0 * MBS_ROUNDING));
 }
 

@@ -38,7 +38,7 @@ MBS_FN int mbs_is_present(mbs_long size) { return size > -MBS_UNREACHABLE; }
 /* The exponent of a number that is not zero; of a subnormal one that of the smallest normal one. */
 MBS_FN int mbs_exponent(mbs_real x)
 {
-    const int exponent = ilogb(x);
+    const int exponent = MBS_CALL(ilogb)(x);
     return exponent < -1022 ? -1022 : exponent;
 }
 
