@@ -140,10 +140,16 @@ def test_what_python_refuses():
         lambda: x + "1",
         lambda: x < 1,
         lambda: bool(x),
+        lambda: x == 0,
+        lambda: x != 0,
+        lambda: x in [1, 2],
+        lambda: mbs.world() == mbs.world(),
         lambda: mbs.vector(1, 2, 3) * mbs.vector(1, 2, 3),
     ]:
         with pytest.raises(TypeError):
             wrong()
+    # Objects are told apart by what they are.
+    assert {x: "x"}[x] == "x" and x in [x] and x in {x, other.coord("y", "m")}
     for wrong in [
         lambda: mbs.sin("x"),
         lambda: mbs.vector(1, 2, None),

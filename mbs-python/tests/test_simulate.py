@@ -224,3 +224,21 @@ def test_where_there_is_no_way_on():
     )
     with pytest.raises(mbs.SimulationError, match="the integration stopped"):
         own.simulate([1.0], t=10.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (dict(step=0.3), "dop853 chooses its steps itself, step does nothing"),
+        (dict(method="rk4", step=0.1, rtol=1e-3), "rk4 has no error control, rtol does nothing"),
+        (
+            dict(method="stormer_verlet", max_step=0.1, max_steps=3),
+            "stormer_verlet has no error control, max_step, max_steps do nothing",
+        ),
+    ],
+)
+def test_what_a_method_does_not_have_earns_a_warning(given, words):
+    with pytest.warns(UserWarning) as warned:
+        mbs.compile(SPRING).simulate([1.0], [0.0], t=1.0, **given)
+    assert [str(warning.message) for warning in warned] == [words]
+    assert warned[0].filename == __file__

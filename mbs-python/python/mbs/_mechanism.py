@@ -13,6 +13,9 @@ Place = tuple[str, int, int]
 Call = tuple[str, list[int], list[float], list[str], Place]
 
 
+_UNKNOWN = "its value is not known before the motion; mbs.below chooses between two values"
+
+
 class _Value:
     """One recorded call and the values that it is given."""
 
@@ -41,7 +44,16 @@ class _Value:
         return code.co_filename, line or 1, (column or 0) + 1
 
     def __bool__(self) -> bool:
-        raise TypeError("its value is not known before the motion; mbs.below chooses between two values")
+        raise TypeError(_UNKNOWN)
+
+    def __eq__(self, other: object) -> bool:
+        raise TypeError(f"{_UNKNOWN}; `is` tells objects apart")
+
+    def __ne__(self, other: object) -> bool:
+        raise TypeError(f"{_UNKNOWN}; `is` tells objects apart")
+
+    # A key of a mapping is told by what it is.
+    __hash__ = object.__hash__
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self._name}{' '.join(('', *self._words))}>"

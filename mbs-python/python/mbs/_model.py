@@ -8,6 +8,7 @@ import html
 import keyword
 import os
 import re
+import warnings
 from collections import namedtuple
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -394,36 +395,39 @@ class Model:
         prescribed: ArrayLike | Callable[[float], ArrayLike] | None = None,
         events: Sequence[Event] = (),
         method: str = "dop853",
-        rtol: float = 1e-10,
-        atol: float = 1e-12,
+        rtol: float | None = None,
+        atol: float | None = None,
         step: float | None = None,
         max_step: float | None = None,
-        max_steps: int = 10_000_000,
+        max_steps: int | None = None,
         project: bool = True,
     ) -> Trajectory:
         """The motion from a state.
 
         `t`: first and last time, or the last. `times`: when to hand out the motion, between steps from dense output;
         else at the ends of steps. `u(t, q, qd)` gives the inputs, or they stay; `prescribed(t)` gives value, rate and
-        acceleration of each prescribed motion. `method`: `dop853` and `dopri5` by error control (`rtol`, `atol`; at
-        most `max_steps` steps, none of them longer than `max_step`: what a motion meets for a shorter time can be
-        stepped over), `rk4`, `gauss_legendre4`, `stormer_verlet`, `semi_implicit_euler` with the fixed `step`. By
-        default `max_step` is the largest distance of `times` and of the ends of `t`, without `times` a hundredth of
-        the duration, and `step` a thousandth. With constraints the first state and those that actions return are brought onto them, and the
-        motion is kept on them, unless `project` is false.
+        acceleration of each prescribed motion. `method`: `dop853` and `dopri5` by error control (`rtol`, by default
+        1e-10, and `atol`, 1e-12; at most `max_steps` steps, ten million, none of them longer than `max_step`: what a
+        motion meets for a shorter time can be stepped over), `rk4`, `gauss_legendre4`, `stormer_verlet`,
+        `semi_implicit_euler` with the fixed `step`, a little less where the duration is no multiple of it. What a
+        method does not have earns a warning. By default `max_step` is the largest distance of `times` and of the ends
+        of `t`, without `times` a hundredth of the duration, and `step` a thousandth. With constraints the first state
+        and those that actions return are brought onto them, and the motion is kept on them, unless `project` is false.
 
         Raises `ValueError` for wrong arguments, `mbs.SimulationError` where there is no way on.
         """
         span = (0.0, _number("t", t)) if np.ndim(t) == 0 else _pair(t)
         declared = [_event(event) for event in events]
         duration = abs(span[1] - span[0])
+        controls = {"rtol": rtol, "atol": atol, "max_step": max_step, "max_steps": max_steps}
+        _warn_of_idle(str(method), controls, step)
         how = (
             str(method),
-            _number("rtol", rtol),
-            _number("atol", atol),
+            1e-10 if rtol is None else _number("rtol", rtol),
+            1e-12 if atol is None else _number("atol", atol),
             duration / 1000 or 1.0 if step is None else _positive("step", step),
             _distance(times, span) or np.inf if max_step is None else _positive("max_step", max_step),
-            _count("max_steps", max_steps),
+            10_000_000 if max_steps is None else _count("max_steps", max_steps),
         )
         start, rates = self._state("q", q), self._state("qd", np.zeros(self.dof) if qd is None else qd)
         found = _mbs.simulate(self._core, start, rates, span, times, how, u, prescribed, declared, bool(project))
@@ -532,6 +536,17 @@ def _distance(times: ArrayLike | None, span: tuple[float, float]) -> float:
     except (TypeError, ValueError):
         return np.inf  # `times` is refused where it is read.
     return float(np.max(np.abs(np.diff(given, prepend=span[0], append=span[1]))))
+
+
+def _warn_of_idle(method: str, controls: Mapping[str, float | None], step: float | None) -> None:
+    """Of arguments that were given and that a method does not have, as the program warns."""
+    if method in ("dop853", "dopri5"):
+        why, idle = "chooses its steps itself", [] if step is None else ["step"]
+    else:
+        why, idle = "has no error control", [name for name, value in controls.items() if value is not None]
+    if idle:
+        does = "does" if len(idle) == 1 else "do"
+        warnings.warn(f"{method} {why}, {', '.join(idle)} {does} nothing", stacklevel=3)
 
 
 def _count(name: str, value: Any) -> int:
