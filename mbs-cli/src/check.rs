@@ -15,6 +15,7 @@ pub(crate) use proof::Evidence;
 use crate::cache::Cache;
 use crate::failure::Failure;
 use crate::mechanism::Mechanism;
+use crate::state::{self, Request};
 use crate::words::{abridged, plural};
 use crate::{mechanism, output};
 
@@ -26,6 +27,12 @@ pub(crate) struct Arguments {
     #[arg(value_name = "FILE.mbs")]
     file: PathBuf,
 
+    /// Count the degrees of freedom as the mechanism is assembled at this state, or nearest to it; a file, `-` for
+    /// standard input, or JSON itself, as of `mbs eval`. Constraints may leave more motions at some states than at
+    /// others.
+    #[arg(long, value_name = "STATE.json")]
+    state: Option<String>,
+
     /// Show the points, the fields and the degrees of the proof, and each claim that is proved in doubles alone.
     #[arg(long)]
     verbose: bool,
@@ -34,9 +41,23 @@ pub(crate) struct Arguments {
 /// Prints one line about a mechanism that is good.
 pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
     let mechanism = mechanism::read(&arguments.file, cache)?;
-    let freedom = Freedom::of(&mechanism.derivation)?;
+    let freedom = freedom(arguments, &mechanism)?;
     let details = || if arguments.verbose { mechanism.evidence.details() } else { String::new() };
     output::answer(|| object(&mechanism, &freedom), || summary(&mechanism, &freedom) + &details())
+}
+
+fn freedom(arguments: &Arguments, mechanism: &Mechanism) -> Result<Freedom, Failure> {
+    let derivation = &mechanism.derivation;
+    let Some(state) = &arguments.state else { return Freedom::of(derivation) };
+    let points = match state::read(state, derivation, &[])? {
+        Request::One(point) => vec![point],
+        Request::Many(points) => points,
+    };
+    if derivation.constraints.is_empty() {
+        output::warn(format_args!("{} has no constraints, --state does nothing", derivation.name));
+        return Freedom::of(derivation);
+    }
+    Freedom::at(derivation, &points)
 }
 
 /// What a mechanism is, in numbers and names.
@@ -52,6 +73,7 @@ pub(crate) fn object(mechanism: &Mechanism, freedom: &Freedom) -> Value {
         "bodies": mechanism.bodies,
         "constraint_rows": freedom.rows,
         "degrees_of_freedom": freedom.count(),
+        "degrees_of_freedom_found": freedom.counts(),
         "proved_at": mechanism.proved_at,
         "singular_at": mechanism.singular_at,
         "proof": mechanism.evidence.object(),

@@ -1,5 +1,7 @@
 //! How many motions constraints leave: as their rows are counted, and as their rank says.
 
+use std::collections::BTreeSet;
+
 use mbs_derive::expr::Number;
 use mbs_derive::interpret::State;
 use mbs_derive::optimise::Derivation;
@@ -22,38 +24,68 @@ pub(crate) struct Freedom {
     coordinates: usize,
     /// Rows of all constraints.
     pub(crate) rows: usize,
-    /// The least rank that is found: where there are several ways to close a loop, the one that moves the most is
-    /// meant. None where no state was found that satisfies them.
-    rank: Option<usize>,
+    /// The ranks that are found, rising: where there are several ways to close a loop, they may differ. Empty where no
+    /// state was found that satisfies the constraints.
+    ranks: Vec<usize>,
+    /// Whether they are those of states that were given.
+    is_of_states: bool,
 }
 
 impl Freedom {
     /// Counted, and tried near the origin.
     pub(crate) fn of(derivation: &Derivation) -> Result<Self, Failure> {
         let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
-        let rank = if rows == 0 { Some(0) } else { rank(derivation, &origin(derivation))? };
-        Ok(Freedom { coordinates, rows, rank })
+        let mut ranks = if rows == 0 { vec![0] } else { ranks(derivation, &origin(derivation))? };
+        // Where it can be assembled so that it moves, it is not meant to be so that it does not.
+        if ranks.first().is_some_and(|&least| least < coordinates) {
+            ranks.retain(|&rank| rank < coordinates);
+        }
+        Ok(Freedom { coordinates, rows, ranks, is_of_states: false })
     }
 
-    /// Degrees of freedom.
+    /// As the mechanism is assembled at given states, or nearest to them.
+    ///
+    /// # Errors
+    /// No state near one of them satisfies the constraints.
+    pub(crate) fn at(derivation: &Derivation, points: &[Point]) -> Result<Self, Failure> {
+        let (coordinates, rows) = (derivation.dof(), derivation.constraints.len());
+        let mut ranks: Vec<usize> = points.iter().map(|point| rank_at(derivation, point)).collect::<Result<_, _>>()?;
+        ranks.sort_unstable();
+        ranks.dedup();
+        Ok(Freedom { coordinates, rows, ranks, is_of_states: true })
+    }
+
+    /// Degrees of freedom: the most that are found.
     pub(crate) fn count(&self) -> Option<usize> {
-        self.rank.map(|rank| self.coordinates - rank)
+        self.counts().first().copied()
+    }
+
+    /// Degrees of freedom of all the ways to assemble it that are found, the most first.
+    pub(crate) fn counts(&self) -> Vec<usize> {
+        self.ranks.iter().map(|rank| self.coordinates - rank).collect()
     }
 
     /// `, 2 constraint rows: 1 degree of freedom`; empty without constraints.
     pub(crate) fn summary(&self) -> String {
-        let Freedom { coordinates, rows, rank } = *self;
+        let Freedom { coordinates, rows, .. } = *self;
         if rows == 0 {
             return String::new();
         }
         let count = plural(rows, "constraint row", "constraint rows");
         let free = |rank: usize| plural(coordinates - rank, "degree of freedom", "degrees of freedom");
-        match rank {
-            None => format!(", {count} that no state near the origin was found to satisfy"),
-            Some(rank) if rank == rows => format!(", {count}: {}", free(rank)),
-            Some(rank) => {
-                let counted = coordinates as i64 - rows as i64;
-                format!(", {count} of rank {rank}: {} (Grübler counts {counted})", free(rank))
+        let counted = coordinates as i64 - rows as i64;
+        let there = if self.is_of_states { " at the state" } else { "" };
+        match self.ranks[..] {
+            [] => format!(", {count} that no state near the origin was found to satisfy"),
+            [rank] if rank == rows => format!(", {count}: {}{there}", free(rank)),
+            [rank] => format!(", {count} of rank {rank}{there}: {} (Grübler counts {counted})", free(rank)),
+            [_, ..] => {
+                let listed = |numbers: &[usize]| numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(" or ");
+                format!(
+                    ", {count} of rank {}: {} degrees of freedom, as it is assembled (Grübler counts {counted})",
+                    listed(&self.ranks),
+                    listed(&self.counts()),
+                )
             }
         }
     }
@@ -113,7 +145,7 @@ impl<'d> LostRank<'d> {
         {
             return Ok(*rank);
         }
-        let found = rank(self.derivation, point)?.unwrap_or(here);
+        let found = ranks(self.derivation, point)?.first().copied().unwrap_or(here);
         self.elsewhere = Some((point.parameters.clone(), found));
         Ok(found)
     }
@@ -134,23 +166,36 @@ fn origin(derivation: &Derivation) -> Point {
     Point { state, accelerations_are_given: false, parameters: defaults.collect() }
 }
 
-/// The least rank of the constraints at the states that guesses of several sizes lead to, with the parameters, time and
-/// signals of a point.
-fn rank(derivation: &Derivation, point: &Point) -> Result<Option<usize>, Failure> {
+/// The rank of the constraints at the state nearest to a point that satisfies them.
+fn rank_at(derivation: &Derivation, point: &Point) -> Result<usize, Failure> {
+    let (equations, t) = (Equations::new(derivation, point)?, point.state.t);
+    let mut projector = equations.projector(RedundantRows::LeaveOut);
+    let mut motion = equations.start();
+    motion.qd.fill(0.0);
+    let found = projector.project(&equations, t, &mut motion).ok();
+    let rank = found.and_then(|_| projector.rank(&equations, t, &motion.q, |_| ()).ok());
+    rank.ok_or_else(|| Failure::new("no state near the one that is given was found to satisfy the constraints"))
+}
+
+/// The ranks of the constraints at the states that guesses of several sizes lead to, rising, with the parameters, time
+/// and signals of a point.
+fn ranks(derivation: &Derivation, point: &Point) -> Result<Vec<usize>, Failure> {
     let (equations, t) = (Equations::new(derivation, point)?, point.state.t);
     let mut projector = equations.projector(RedundantRows::LeaveOut);
     let is_plain = derivation.coordinates.iter().flat_map(|v| vec![matches!(v.unit.as_str(), "1" | "rad"); v.count()]);
     let is_plain: Vec<bool> = is_plain.collect();
-    let guesses = SIZES.iter().flat_map(|size| (0..GUESSES).map(move |guess| (size, guess)));
-    let ranks = guesses.filter_map(|(size, guess)| {
-        let mut motion = equations.start();
-        motion.qd.fill(0.0);
-        // Nothing special about them.
-        for (i, q) in motion.q.iter_mut().enumerate() {
-            *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { *size };
-        }
-        projector.project(&equations, t, &mut motion).ok()?;
-        projector.rank(&equations, t, &motion.q, |_| ()).ok()
-    });
-    Ok(ranks.min())
+    let guesses = (0..GUESSES * SIZES.len()).map(|guess| (SIZES[guess / GUESSES], guess));
+    let ranks: BTreeSet<usize> = guesses
+        .filter_map(|(size, guess)| {
+            let mut motion = equations.start();
+            motion.qd.fill(0.0);
+            // Nothing special about them.
+            for (i, q) in motion.q.iter_mut().enumerate() {
+                *q = (1.0 + 2.3 * i as f64 + 1.7 * guess as f64).sin() * if is_plain[i] { 1.0 } else { size };
+            }
+            projector.project(&equations, t, &mut motion).ok()?;
+            projector.rank(&equations, t, &motion.q, |_| ()).ok()
+        })
+        .collect();
+    Ok(ranks.into_iter().collect())
 }

@@ -1,5 +1,7 @@
 //! `mbs simulate` and `mbs check` of constrained mechanisms.
 
+use serde_json::Value;
+
 use crate::Workshop;
 
 /// The pendulum of the other tests without friction, in Cartesian coordinates.
@@ -391,6 +393,38 @@ fn freedom_is_counted_by_rows_and_by_rank() {
     let parallel = workshop.good(&["check", "parallel.mbs"]);
     let expected = ", 6 constraint rows of rank 5: 1 degree of freedom (Grübler counts 0); proved at ";
     assert!(parallel.contains(expected), "{parallel}");
+}
+
+/// Bricard's mechanism: five links between six hinges in pairs of right angles move by one motion; with two links folded
+/// onto each other, they move by two.
+#[test]
+fn freedom_depends_on_how_it_is_assembled() {
+    let workshop = workshop();
+    let text = "mechanism Bricard { param m: kg = 1; param l: m = 1; param g: m/s^2 = 9.81; coord a[5]: rad;
+        gravity [0, -g, 0];
+        let f1 = rot_y(a[0]);
+        let f2 = f1*translation([l, 0, 0])*rot_z(a[1]);
+        let f3 = f2*translation([0, -l, 0])*rot_x(a[2]);
+        let f4 = f3*translation([0, 0, l])*rot_y(a[3]);
+        let f5 = f4*translation([-l, 0, 0])*rot_z(a[4]);
+        kinetic += rigid_body(m, [l/2, 0, 0], diag(0, 1, 1)*m*l^2/12, f1);
+        kinetic += rigid_body(m, [0, -l/2, 0], diag(1, 0, 1)*m*l^2/12, f2);
+        kinetic += rigid_body(m, [0, 0, l/2], diag(1, 1, 0)*m*l^2/12, f3);
+        kinetic += rigid_body(m, [-l/2, 0, 0], diag(0, 1, 1)*m*l^2/12, f4);
+        kinetic += rigid_body(m, [0, l/2, 0], diag(1, 0, 1)*m*l^2/12, f5);
+        constraint hinge: f5.point([0, l, 0]) = [0, 0, l];
+        let axis = f5*[1, 0, 0];
+        constraint axis_y: axis.y = 0;
+        constraint axis_z: axis.z = 0; }";
+    workshop.write("bricard.mbs", text);
+    let several = workshop.good(&["check", "bricard.mbs"]);
+    let expected = ", 5 constraint rows of rank 3 or 4: 2 or 1 degrees of freedom, as it is assembled (Grübler counts 0); proved at ";
+    assert!(several.contains(expected), "{several}");
+    let assembled = workshop.good(&["check", "bricard.mbs", "--state", r#"{"q": [0, 0, 0, 0, 0]}"#]);
+    let expected = ", 5 constraint rows of rank 4 at the state: 1 degree of freedom (Grübler counts 0); proved at ";
+    assert!(assembled.contains(expected), "{assembled}");
+    let object: Value = serde_json::from_str(&workshop.good(&["check", "bricard.mbs", "--json"])).unwrap();
+    assert_eq!(object["degrees_of_freedom_found"], serde_json::json!([2, 1]));
 }
 
 #[test]
