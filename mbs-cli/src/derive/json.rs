@@ -65,7 +65,11 @@ fn parameter(variable: &Variable) -> Value {
 }
 
 fn of_function(derivation: &Derivation, function: &Function) -> Value {
-    let arguments: Vec<&str> = function.arguments.iter().map(|a| a.name()).collect();
+    // As functions of other languages have them.
+    let time = derivation.depends_on_time.then_some("t");
+    let prescribed = (!derivation.prescribed.is_empty()).then_some("prescribed");
+    let state = function.arguments.iter().map(|a| a.name());
+    let arguments: Vec<&str> = time.into_iter().chain(prescribed).chain(state).collect();
     let returns: Vec<Value> =
         function.results.iter().map(|part| json!({ "name": part.name, "shape": shape(part.shape) })).collect();
     let completion = match function.completion {

@@ -31,6 +31,17 @@ mechanism Machine {
 }
 ";
 
+/// As functions of other languages have them.
+#[test]
+fn time_and_signals_are_among_the_arguments() {
+    let workshop = Workshop::new();
+    workshop.write("machine.mbs", MACHINE);
+    assert_eq!(report(&workshop, "machine.mbs")["functions"]["gravity"]["arguments"], json!(["prescribed", "q"]));
+    workshop.write("driven.mbs", MACHINE.replace("force x += f", "force x += f*sin(t/(1 s))"));
+    let arguments = &report(&workshop, "driven.mbs")["functions"]["forward_dynamics"]["arguments"];
+    assert_eq!(*arguments, json!(["t", "prescribed", "q", "qd", "u"]));
+}
+
 #[test]
 fn the_graph_gives_what_eval_gives() {
     let workshop = Workshop::new();
