@@ -41,8 +41,15 @@ impl Files {
     /// Takes a file for an output.
     ///
     /// # Errors
-    /// It is one that was read or is written by another option, it is a folder, or its folder is not there.
+    /// It is one that was read or is written by another option, it is a folder, or its folder is not there. `-` is
+    /// standard input elsewhere: a file of this name is hardly meant.
     pub(crate) fn writes(&mut self, option: &str, path: &Path) -> Result<(), Failure> {
+        if path == Path::new("-") {
+            return Err(Failure::of_usage(format_args!(
+                "{option} is the name of a file: where the command writes to standard output, it does without {option}; a \
+                 file called `-` is `./-`"
+            )));
+        }
         let identity = Identity::of(path).map_err(|error| {
             let is_missing = error.kind() == ErrorKind::NotFound;
             let help = if is_missing { "; make the folder first, or name another" } else { "" };

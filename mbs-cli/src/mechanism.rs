@@ -68,6 +68,11 @@ pub(crate) const SCENE: &str = "scene";
 
 /// Reads a mechanism and what it imports, and notes the files.
 pub(crate) fn open(path: &Path, files: &mut Files) -> Result<Sources, Failure> {
+    if path == Path::new("-") {
+        let message = "a mechanism is read from a file, beside which its imports are, not from standard input; a file called \
+                       `-` is `./-`";
+        return Err(Failure::of_usage(message));
+    }
     let sources = mbs_derive::read(path).map_err(|report| Failure::from(Messages::of_file(report)))?;
     for (number, name) in sources.names().enumerate() {
         files.reads(if number == 0 { "the mechanism" } else { "the import" }, Path::new(name));

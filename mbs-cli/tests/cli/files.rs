@@ -116,6 +116,24 @@ fn a_state_from_standard_input_is_a_file_that_is_read() {
     }
 }
 
+/// `-` is standard input for states; as an output, or a mechanism, it would be a file of this name.
+#[test]
+fn a_file_called_by_a_dash_is_hardly_meant() {
+    let workshop = workshop();
+    let run = ["simulate", "pendulum.mbs", "--state", "state.json", "--t-end", "1", "--csv", "-"];
+    for (arguments, option) in
+        [(&run[..], "--csv"), (&["derive", "pendulum.mbs", "--emit", "c", "--out", "-"], "--out")]
+    {
+        let report = workshop.misused(arguments);
+        assert!(report.starts_with(&format!("error: {option} is the name of a file: ")), "{report}");
+    }
+    for arguments in [&["check", "-"][..], &["eval", "-", "--state", "state.json"]] {
+        assert!(workshop.misused(arguments).starts_with("error: a mechanism is read from a file"));
+    }
+    workshop.good(&["derive", "pendulum.mbs", "--emit", "c", "--out", "./-"]);
+    assert!(workshop.read("-").contains("pendulum_forward_dynamics"));
+}
+
 /// A derivation that would fail is not begun where its output is refused.
 #[test]
 fn outputs_are_checked_first() {
