@@ -21,6 +21,7 @@ use std::time::Instant;
 use indicatif::{ProgressBar, ProgressStyle};
 use mbs_ensemble::SweepError;
 use mbs_ensemble::design::Values;
+use mbs_ensemble::distribution::Distribution;
 use mbs_ensemble::sweep::{Outcome, Share, Sweep};
 use mbs_ensemble::table::{Format, Table};
 use mbs_native::Compilers;
@@ -275,7 +276,7 @@ fn preview(study: &Study) -> String {
         let how = match &variable.spread {
             Values::Listed(values) => plural(values.len(), "value", "values"),
             Values::Range { from, to, count } => format!("{count} values from {from:?} to {to:?}"),
-            Values::Drawn(distribution) => format!("{distribution:?}"),
+            Values::Drawn(distribution) => in_words_of_the_plan(distribution),
         };
         text += &format!("  {} [{}]: {how}\n", variable.name, variable.unit);
     }
@@ -287,6 +288,18 @@ fn preview(study: &Study) -> String {
         text += &format!("member {index}: {:?}\n", design.values(index));
     }
     text
+}
+
+fn in_words_of_the_plan(distribution: &Distribution) -> String {
+    match distribution {
+        Distribution::Uniform { low, high } => format!("{{ uniform = [{low:?}, {high:?}] }}"),
+        Distribution::Triangular { low, mode, high } => format!("{{ triangular = [{low:?}, {mode:?}, {high:?}] }}"),
+        Distribution::Normal { mean, deviation } => format!("{{ normal = [{mean:?}, {deviation:?}] }}"),
+        Distribution::TruncatedNormal { mean, deviation, low, high } => {
+            format!("{{ normal = [{mean:?}, {deviation:?}], within = [{low:?}, {high:?}] }}")
+        }
+        Distribution::Lognormal { median, deviation } => format!("{{ lognormal = [{median:?}, {deviation:?}] }}"),
+    }
 }
 
 fn preview_object(study: &Study) -> Value {

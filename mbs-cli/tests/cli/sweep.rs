@@ -429,6 +429,8 @@ fn previews_run_nothing() {
     let before = workshop.files();
     let text = workshop.good(&["sweep", "plan.toml", "--dry-run"]);
     assert!(text.starts_with("40 members\nvaries:\n  m [kg]: ") && text.contains("\n  quarter [s]\n"), "{text}");
+    // As the plan says it.
+    assert!(text.contains("  m [kg]: { normal = [2.0, 0.1], within = [1.0, 3.0] }\n"), "{text}");
     let object: Value = serde_json::from_str(&workshop.good(&["sweep", "plan.toml", "--dry-run", "--json"])).unwrap();
     assert_eq!((&object["members"], &object["varies"][1]["unit"]), (&40.into(), &"N/m".into()));
     assert_eq!(workshop.files(), before);
