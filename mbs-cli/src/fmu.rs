@@ -138,24 +138,35 @@ fn packed(
     derivation: &Derivation,
     point: &Point,
 ) -> Result<Vec<u8>, Failure> {
+    let (main, wrapper) = match arguments.fmi {
+        Fmi::Two => ("fmi2.c", include_str!("fmu/fmi2.c")),
+        Fmi::Three => ("fmi3.c", include_str!("fmu/fmi3.c")),
+    };
+    let name = &derivation.name;
     let mut interface = emit::Interface::of(derivation, sources.portable_name());
+    let renamed;
+    let derivation = if is_taken(&interface.prefix, wrapper) {
+        let mut other = derivation.clone();
+        other.altered().name += "Mechanism";
+        interface = emit::Interface::of(&other, sources.portable_name());
+        renamed = other;
+        &renamed
+    } else {
+        derivation
+    };
     derivation.proofread_interface(&interface).map_err(Failure::new)?;
     let header = std::mem::take(&mut interface.header);
     let model = Model { derivation, interface: &interface, point, tolerance: arguments.tolerance };
     let variables = variable::variables(derivation, point, interface.switches);
     let description = Description {
         fmi: arguments.fmi,
-        name: &derivation.name,
+        name,
         docs: derivation.docs.join(" "),
         identifier: &interface.prefix,
         variables: &variables,
         is_differentiable: derivation.prescribed.is_empty(),
         drifts: !derivation.constraints.is_empty(),
         tolerance: arguments.tolerance,
-    };
-    let (main, wrapper) = match arguments.fmi {
-        Fmi::Two => ("fmi2.c", include_str!("fmu/fmi2.c")),
-        Fmi::Three => ("fmi3.c", include_str!("fmu/fmi3.c")),
     };
     // An FMU is another one as soon as anything in it is.
     let (model_alone, description_alone) = (model.written(""), description.written(""));
@@ -176,6 +187,20 @@ fn packed(
     entries.extend(library);
     entries.extend(texts.into_iter().map(|(name, text)| (format!("sources/{name}"), text.into_bytes())));
     archived(&entries).map_err(|error| Failure::new(format_args!("cannot pack {}: {error}", arguments.out.display())))
+}
+
+/// Whether the sources that all FMUs have call a type or a function so, or begin the names of theirs so.
+fn is_taken(prefix: &str, wrapper: &str) -> bool {
+    let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let declares = |line: &str| {
+        // What is within a type or a function is no trouble: `static int states_set(…`, `} fmu_values;`.
+        let declared = !line.starts_with([' ', '#', '/', '*']);
+        let ends = line.match_indices(prefix).filter(|(at, _)| !line[..*at].ends_with(is_word));
+        let after = ends.map(|(at, _)| &line[at + prefix.len()..]);
+        declared && after.into_iter().any(|rest| rest.starts_with(['(', ';']))
+    };
+    let texts = SHARED.iter().map(|(_, text)| *text).chain([wrapper]);
+    prefix == "fmu" || texts.into_iter().any(|text| text.lines().any(declares))
 }
 
 /// Stored as they are, in this order, without times: the same bytes for the same mechanism.

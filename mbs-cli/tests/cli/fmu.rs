@@ -318,8 +318,12 @@ fn friction_that_jumps_at_rest_is_refused_with_its_reason() {
 /// Files of the FMU's own have names that mechanisms may have, too.
 #[test]
 fn mechanisms_are_called_as_they_like() {
-    for name in ["Model", "Instance", "States", "Constraints", "Integration", "Jacobian", "Math", "Stdio"] {
-        let text = format!("mechanism {name} {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; }}");
+    for name in ["Model", "Instance", "States", "Constraints", "Integration", "Jacobian", "Math", "Stdio"]
+        .into_iter()
+        .chain(["Fmu", "FmuValues", "FmuInstance", "AllFinite", "StatesSet", "ModeName", "TimeSet", "SameSides"])
+    {
+        // The function of this output would be `fmu_place`.
+        let text = format!("mechanism {name} {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; output place = x; }}");
         let Some((_workshop, folder)) = packed(&text, "{\"q\": [0], \"qd\": [1]}") else { return };
         let Outcome { code, stdout, .. } = run(&folder, &["0", "1", "0.5", "1"]);
         assert_eq!(code, 0, "{name}: {stdout}");
@@ -373,6 +377,17 @@ fn libraries_are_compiled_where_there_is_a_compiler() {
         std::fs::remove_file(workshop.path("a.fmu")).unwrap();
         let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "false", "--out", "a.fmu"]);
         assert!(report.starts_with("error: cannot compile the FMU: `") && report.contains("/false` fails"), "{report}");
+        let says = "In file included from fmi3.c:58:\\nb.h:3:5: error: the reason\\n    3 | x\\n";
+        workshop.write("fails.sh", &format!("#!/bin/sh\nprintf '{says}' >&2\nexit 1\n"));
+        assert!(Command::new("chmod").arg("+x").arg(workshop.path("fails.sh")).status().unwrap().success());
+        let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "./fails.sh", "--out", "a.fmu"]);
+        let (reason, log) = report.trim_end().split_once("; all it says is in ").expect("where the log is");
+        assert!(reason.ends_with("fails.sh` fails: b.h:3:5: error: the reason"), "{report}");
+        let log = Path::new(log);
+        assert_eq!(std::fs::read_to_string(log).unwrap().lines().count(), 3);
+        let folder = log.parent().unwrap();
+        assert!(folder.join("fmi3.c").is_file());
+        std::fs::remove_dir_all(folder).unwrap();
         let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "no-such-compiler -m64", "--out", "a.fmu"]);
         assert_eq!(report, "error: cannot compile the FMU: there is no C compiler `no-such-compiler -m64`\n");
         if Command::new("cc").arg("--version").output().is_ok() {
