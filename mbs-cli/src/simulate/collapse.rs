@@ -2,6 +2,7 @@
 
 use mbs_derive::interpret::State;
 use mbs_derive::optimise::FunctionKind;
+use mbs_runtime::Constraints;
 use nalgebra::DMatrix;
 
 use crate::eigenvalues::eigenvalues;
@@ -10,18 +11,28 @@ use crate::equations::{Equations, Motion, Solver};
 /// A step of this length, relative to 1 s or the time, is one on which a smooth motion hardly changes.
 const MOMENT: f64 = 1e-9;
 
-/// Three measurements, as the end of a sentence: the condition of the mass matrix, the fastest rate of the linearized
-/// motion, and how much the accelerations change in a moment; what of them is out of the ordinary is said to be the
-/// probable reason.
-pub(crate) fn hint(equations: &Equations<'_>, solver: &mut Solver<'_, '_>, t: f64, motion: &Motion) -> String {
+/// Measurements, as the end of a sentence: how nearly constraints depend on each other, the condition of the mass
+/// matrix, the fastest rate of the linearized motion, and how much the accelerations change in a moment; what of them is
+/// out of the ordinary is said to be the probable reason, and where constraints lose rank which way leads past it.
+pub(crate) fn hint(
+    equations: &Equations<'_>,
+    solver: &mut Solver<'_, '_>,
+    t: f64,
+    motion: &Motion,
+    way: &str,
+) -> String {
     let state = equations.state(t, &motion.q, &motion.qd);
     let mut measured = Vec::new();
     let mut reason = None;
+    if let Some(share) = least_share(equations, &state) {
+        measured.push(format!("but for {share:.0e} of it a constraint depends on the others, {way}"));
+        reason = Some("constraints nearly lose rank there");
+    }
     let mass_matrix = equations.try_call(FunctionKind::MassMatrix, &state);
     if let Some(condition) = mass_matrix.and_then(|m| condition(&m, motion.q.len())) {
         measured.push(format!("the mass matrix, scaled by its diagonal, has a condition of {condition:.1e}"));
         if condition > 1e10 {
-            reason = Some("a singular configuration is near");
+            reason = reason.or(Some("a singular configuration is near"));
         }
     }
     if let Some(rate) = fastest_rate(equations, &state) {
@@ -51,6 +62,31 @@ fn condition(mass_matrix: &[f64], n: usize) -> Option<f64> {
     let eigenvalues = scaled.symmetric_eigenvalues();
     let (least, greatest) = (eigenvalues.min(), eigenvalues.max());
     Some(if least > 0.0 { greatest / least } else { f64::INFINITY })
+}
+
+/// The least singular value beside the greatest of A, in rows of length 1 and in units of the coordinates that make the
+/// diagonal of M one, if it is small, but not that of rows which depend on others at all states.
+fn least_share(equations: &Equations<'_>, state: &State) -> Option<f64> {
+    /// What tolerances leave of the distance from a state without full rank.
+    const SMALL: f64 = 1e-6;
+    const ROUNDING: f64 = 1e-13;
+    let (rows, n) = (equations.rows(), state.q.len());
+    let mass_matrix = equations.try_call(FunctionKind::MassMatrix, state).filter(|_| rows > 0)?;
+    let unit = |i: usize| if mass_matrix[i * n + i] > 0.0 { mass_matrix[i * n + i].sqrt() } else { 1.0 };
+    let a = DMatrix::from_row_slice(rows, n, &equations.rows_of(FunctionKind::ConstraintJacobian, state));
+    let mut a = DMatrix::from_fn(rows, n, |row, i| a[(row, i)] / unit(i));
+    for mut row in a.row_iter_mut() {
+        let length = row.norm();
+        if length > 0.0 {
+            row /= length;
+        }
+    }
+    if !a.iter().all(|x| x.is_finite()) {
+        return None;
+    }
+    let values = a.singular_values();
+    let shares = values.iter().map(|value| value / values.max());
+    shares.filter(|&share| share > ROUNDING && share < SMALL).reduce(f64::min)
 }
 
 /// The greatest absolute eigenvalue of `d(q, q̇)/dt = (q̇, q̈)`, linearized.

@@ -307,7 +307,7 @@ impl<'a, 'd> Run<'a, 'd> {
         let state = self.equations.state(t, q, qd);
         let mut solver = self.solver();
         let hint = match solver.accelerations(&state) {
-            Ok(_) => collapse::hint(self.equations, &mut solver, t, motion),
+            Ok(_) => collapse::hint(self.equations, &mut solver, t, motion, self.settings.way_past_lost_rank()),
             Err(_) if !self.equations.are_finite(&state) => "; inertia or forces are not finite there".to_string(),
             Err(reason) => format!("; {}", assembly::explained(self.equations, reason, t, motion)),
         };

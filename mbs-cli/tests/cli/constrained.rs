@@ -311,6 +311,11 @@ fn redundant_rows_are_named_or_share_their_force() {
     let run = ["simulate", "parallel.mbs", "--state", state, "--t-end", "3", "--redundant", "least-norm"];
     let report = workshop.stopped(&run);
     assert!(report.starts_with("error: the integration stopped: "), "{report}");
+    assert!(report.contains("; constraints nearly lose rank there: but for "), "{report}");
+    assert!(
+        report.contains(" depends on the others, a fixed step (method rk4) or other tolerances may pass it, "),
+        "{report}"
+    );
 }
 
 /// The rows so far, which do not look as if they were all.
