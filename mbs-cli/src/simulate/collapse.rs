@@ -12,8 +12,8 @@ use crate::equations::{Equations, Motion, Solver};
 const MOMENT: f64 = 1e-9;
 
 /// Measurements, as the end of a sentence: how nearly constraints depend on each other, the condition of the mass
-/// matrix, the fastest rate of the linearized motion, and how much the accelerations change in a moment; what of them is
-/// out of the ordinary is said to be the probable reason, and where constraints lose rank which way leads past it.
+/// matrix, the fastest rate of the linearized motion, and how much the accelerations change in a moment; what of them
+/// is out of the ordinary is said to be the probable reason, and where constraints lose rank which way leads past it.
 pub(crate) fn hint(
     equations: &Equations<'_>,
     solver: &mut Solver<'_, '_>,

@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 use super::column::Column;
 use super::motion::Motion;
 
-/// One line a row, and one more, `# stopped: …`, where the motion did not come to its end; every number with as many digits as it takes to read the same number. With units the names of the
-/// columns end in them.
+/// One line a row; every number with as many digits as it takes to read the same number. With units the names of the
+/// columns end in them. A last line, `# stopped: …`, where the motion did not come to its end.
 pub(crate) fn csv(motion: &Motion, units: bool) -> String {
     let mut text = header(motion, units).join(",") + "\n";
     for row in &motion.rows {
