@@ -378,7 +378,7 @@ fn libraries_are_compiled_where_there_is_a_compiler() {
         let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "false", "--out", "a.fmu"]);
         assert!(report.starts_with("error: cannot compile the FMU: `") && report.contains("/false` fails"), "{report}");
         let says = "In file included from fmi3.c:58:\\nb.h:3:5: error: the reason\\n    3 | x\\n";
-        workshop.write("fails.sh", &format!("#!/bin/sh\nprintf '{says}' >&2\nexit 1\n"));
+        workshop.write("fails.sh", format!("#!/bin/sh\nprintf '{says}' >&2\nexit 1\n"));
         assert!(Command::new("chmod").arg("+x").arg(workshop.path("fails.sh")).status().unwrap().success());
         let report = workshop.bad(&["fmu", "pendulum.mbs", "--compiler", "./fails.sh", "--out", "a.fmu"]);
         let (reason, log) = report.trim_end().split_once("; all it says is in ").expect("where the log is");

@@ -18,7 +18,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let (found, force) = (self.velocity_at(point), self.argument(value));
         let newton = Dimension::ENERGY.over(Dimension::LENGTH).unwrap_or(Dimension::ONE);
         let number = self.lagrangian.point_forces.len();
-        self.does_work(found.clone().map(|(velocity, _)| velocity), force, "a force", newton)?;
+        self.does_work(found.map(|(velocity, _)| velocity), force, "a force", newton)?;
         if let Ok((velocity, position)) = found {
             let place = self.report.here(&point.span);
             self.found.acting.push(Acting { number, axes: velocity.frame, position, place });
