@@ -32,7 +32,7 @@ pub use crate::expr::sin_cos::Trigonometry;
 pub use c::Interface;
 pub(crate) use identifiers::{Identifiers, shared};
 pub use language::Language;
-pub use rust::rust;
+pub(crate) use rust::rust;
 pub(crate) use rust::{implements_mechanism, module_name, outline, type_name, without_forwarders};
 
 /// What is generated.

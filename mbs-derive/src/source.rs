@@ -24,7 +24,7 @@ use std::path::{Component, Path};
 use crate::span::Span;
 
 use insertion::Edited;
-pub use insertion::{Insertion, Quote};
+pub use insertion::Insertion;
 
 /// All files of a mechanism together may be so long: offsets of tokens are 32 bits wide.
 pub(crate) const MAX_BYTES: usize = 1 << 26;
@@ -155,8 +155,10 @@ impl Sources {
         sources
     }
 
-    /// The same files, with texts at places of the mechanism's own, of several at one place the last one first. Places in
-    /// them are [located](Self::locate) where they were written, and so are all others: in the file as it was.
+    /// The same files, with texts at places of the mechanism's own, of several at one place the last one first.
+    ///
+    /// Places in them are [located](Self::locate) where they were written, and so are all others: in the file as it
+    /// was.
     #[must_use]
     pub fn with_insertions(&self, insertions: Vec<(usize, Insertion)>) -> Self {
         let (text, edited) = Edited::new(self.main().text.as_deref().unwrap_or_default(), insertions);

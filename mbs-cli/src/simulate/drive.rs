@@ -21,7 +21,7 @@ use mbs_derive::model::Unit;
 use mbs_derive::optimise::{Derivation, Function, FunctionKind};
 use mbs_derive::parse;
 use mbs_derive::parse::{Statement, StatementKind};
-use mbs_derive::source::{Insertion, Quote, Sources};
+use mbs_derive::source::{Insertion, Sources};
 use mbs_derive::variable::{Variable, component_names};
 
 use self::element::Kind;
@@ -61,8 +61,8 @@ impl Drive {
     }
 
     /// A formula of it, as reports show it.
-    fn quoted(&self, option: &str, formula: &str) -> Quote {
-        Quote::all(&format!("{option} {}", self.given), formula)
+    fn quoted(&self, option: &str, formula: &str) -> Insertion {
+        Insertion::quoted(&format!("{option} {}", self.given), formula)
     }
 
     /// The file of its table, if it is one.
@@ -176,7 +176,7 @@ impl Drives<'_> {
                 if added.text().contains(&format!(" output {} = ", formula_name(&name))) {
                     return Err(Failure::new(format_args!("{input} {name} is given twice")));
                 }
-                added.push(&outputs_in(formula.as_str(), &text, own, added.text()));
+                added.push(&outputs_in(formula.text(), &text, own, added.text()));
                 constants += &unit_constant(&name, &known.unit);
                 added.push(&format!(" output {} = ", formula_name(&name)));
                 added.append(in_si_units(&formula, &name));
@@ -186,7 +186,7 @@ impl Drives<'_> {
         for (number, formula) in self.watched.iter().enumerate() {
             added.push(&outputs_in(formula, &text, own, added.text()));
             added.push(&format!(" output {} = ", formula_name(&number.to_string())));
-            added.quote(&Quote::all("formula", formula));
+            added.append(Insertion::quoted("formula", formula));
             added.push(";");
         }
         insertions.push((end, added));
@@ -310,12 +310,12 @@ fn unit_constant(name: &str, unit: &str) -> String {
 }
 
 /// A formula that names nothing but t with its numbers in SI units; any other as it is.
-fn in_si_units(formula: &Quote, name: &str) -> Insertion {
+fn in_si_units(formula: &Insertion, name: &str) -> Insertion {
     let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let (mut whole, mut changed) = (Insertion::default(), Insertion::default());
-    whole.quote(formula);
+    whole.append(formula.clone());
     changed.push(&format!("unit_of_{name}*("));
-    let (text, mut at) = (formula.as_str(), 0);
+    let (text, mut at) = (formula.text(), 0);
     while let Some(c) = text[at..].chars().next() {
         let rest = &text[at..];
         let length = if is_part(c) { rest.find(|c| !is_part(c)).unwrap_or(rest.len()) } else { c.len_utf8() };
@@ -328,10 +328,10 @@ fn in_si_units(formula: &Quote, name: &str) -> Insertion {
         let written = formula.slice(at..at + length);
         if word == "t" {
             changed.push("(");
-            changed.quote(&written);
+            changed.append(written);
             changed.push(&format!("/{SECOND})"));
         } else {
-            changed.quote(&written);
+            changed.append(written);
         }
         at += length;
     }
@@ -392,7 +392,7 @@ pub(crate) fn check_formula(option: &str, name: &str, formula: &str) -> Result<(
     let name_of_all = format!("{option} {name}");
     let mut text = Insertion::default();
     text.push("mechanism Formula { let value = ");
-    text.quote(&Quote::all(&name_of_all, formula));
+    text.append(Insertion::quoted(&name_of_all, formula));
     text.push("; }");
     let sources = Sources::new(&name_of_all, "").with_insertions(vec![(0, text)]);
     let declaration = parse::declaration_of(&sources).map_err(|errors| Messages::of(&errors, &sources))?;
@@ -448,7 +448,7 @@ mod tests {
     #[test]
     fn formulas_of_time_alone_are_in_si_units() {
         let check = |formula: &str, expected: &str| {
-            assert_eq!(in_si_units(&Quote::all("--input push", formula), "push").text(), expected);
+            assert_eq!(in_si_units(&Insertion::quoted("--input push", formula), "push").text(), expected);
         };
         check("2*sin(3*t)", "unit_of_push*(2*sin(3*(t/second_of_formulas)))");
         check("1.5e-3", "unit_of_push*(1.5e-3)");

@@ -400,8 +400,8 @@ fn freedom_is_counted_by_rows_and_by_rank() {
     assert!(parallel.contains(expected), "{parallel}");
 }
 
-/// Bricard's mechanism: five links between six hinges in pairs of right angles move by one motion; with two links folded
-/// onto each other, they move by two.
+/// Bricard's mechanism: five links between six hinges in pairs of right angles move by one motion; with two links
+/// folded onto each other, they move by two.
 #[test]
 fn freedom_depends_on_how_it_is_assembled() {
     let workshop = workshop();

@@ -43,7 +43,7 @@ use crate::expr::{Expr, Node, Symbol, Tangent, Vector, gradient};
 
 use super::lagrange::{add, at_rest, sub, transpose};
 use super::lift::Lifted;
-use super::{Energies, Lagrange, LeftOut, Rows, Slopes, Symbols};
+use super::{Energies, FEW_COORDINATES, Lagrange, LeftOut, Rows, Slopes, Symbols};
 use articulated::Drive;
 use force_element::{Anchor, Held};
 use inertia::Inertia;
@@ -242,7 +242,10 @@ impl<'g> Tree<'g> {
     /// The derivatives of inverse dynamics, where joints follow the coordinates linearly and they are asked for.
     fn slopes(&self, rest: &Lagrange<'g>, left_out: LeftOut) -> Option<Slopes<'g>> {
         let is_asked_for = !left_out.inverse_dynamics_jacobian || !left_out.linearization;
-        if !is_asked_for || !self.linkage.is_linear() {
+        // `Sᵀ A S` costs n³ where each joint follows many coordinates: of many coordinates that is not tried.
+        let followed: usize = self.joint_jacobian.iter().map(Vec::len).sum();
+        let is_sparse = self.coordinates <= FEW_COORDINATES || followed <= 2 * self.moving.len();
+        if !is_asked_for || !is_sparse || !self.linkage.is_linear() {
             return None;
         }
         let joint = derivative::slopes(&self.linkage, &self.moving, &self.inertias, &self.composites(), self.gravity);

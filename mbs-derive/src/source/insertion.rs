@@ -5,69 +5,58 @@ use std::ops::Range;
 
 use crate::span::Span;
 
-/// A text that is put into the mechanism's own file.
+/// A text that is put into the mechanism's own file, parts of which a user has written elsewhere than in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Insertion {
     text: String,
-    /// Parts of the text that stand elsewhere, in order.
-    quoted: Vec<Quoted>,
+    /// The parts that stand elsewhere, in order.
+    quotes: Vec<Quote>,
 }
 
 /// A part of a text that was written elsewhere.
 #[derive(Clone, Debug, PartialEq)]
-struct Quoted {
-    /// Where it stands in the text of the insertion.
+struct Quote {
+    /// Where it stands in the insertion.
     at: usize,
-    from: Quote,
-}
-
-/// A part of a text that a user has written elsewhere than in a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Quote {
-    /// As reports call the text.
-    pub name: String,
-    /// All of it.
-    pub text: String,
+    /// As reports call the text that it is a part of.
+    name: String,
+    /// All of that text.
+    text: String,
     /// The part.
-    pub part: Range<usize>,
-}
-
-impl Quote {
-    /// All of a text.
-    pub fn all(name: &str, text: &str) -> Self {
-        Quote { name: name.to_string(), text: text.to_string(), part: 0..text.len() }
-    }
-
-    /// What it says.
-    pub fn as_str(&self) -> &str {
-        self.text.get(self.part.clone()).unwrap_or_default()
-    }
-
-    /// A part of it.
-    #[must_use]
-    pub fn slice(&self, part: Range<usize>) -> Self {
-        let start = self.part.start;
-        Quote { part: start + part.start..start + part.end, ..self.clone() }
-    }
+    part: Range<usize>,
 }
 
 impl Insertion {
+    /// All of a text that a user has written, by the name that reports call it.
+    #[must_use]
+    pub fn quoted(name: &str, text: &str) -> Self {
+        let quote = Quote { at: 0, name: name.to_string(), text: text.to_string(), part: 0..text.len() };
+        Insertion { text: text.to_string(), quotes: vec![quote] }
+    }
+
+    /// A part of it, by its bytes.
+    #[must_use]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        let part = |quote: &Quote| {
+            let (start, end) = (quote.at.max(range.start), (quote.at + quote.part.len()).min(range.end));
+            let within = |at: usize| quote.part.start + (at - quote.at);
+            let is_in = start < end;
+            is_in.then(|| Quote { at: start - range.start, part: within(start)..within(end), ..quote.clone() })
+        };
+        let text = self.text.get(range.clone()).unwrap_or_default().to_string();
+        Insertion { text, quotes: self.quotes.iter().filter_map(part).collect() }
+    }
+
     /// Adds a text of the program.
     pub fn push(&mut self, text: &str) {
         self.text += text;
-    }
-
-    /// Adds a text of the user.
-    pub fn quote(&mut self, quote: &Quote) {
-        self.quoted.push(Quoted { at: self.text.len(), from: quote.clone() });
-        self.text += quote.as_str();
     }
 
     /// Adds another insertion.
     pub fn append(&mut self, other: Insertion) {
         let start = self.text.len();
         self.text += &other.text;
-        self.quoted.extend(other.quoted.into_iter().map(|quoted| Quoted { at: start + quoted.at, ..quoted }));
+        self.quotes.extend(other.quotes.into_iter().map(|quote| Quote { at: start + quote.at, ..quote }));
     }
 
     /// All of it.
@@ -78,17 +67,15 @@ impl Insertion {
     /// The text of the user that a place in the insertion is about, and the place in it: the nearest where it is about
     /// none.
     fn quote_of(&self, place: &Span) -> Option<(&Quote, Span)> {
-        let end = |quoted: &Quoted| quoted.at + quoted.from.part.len();
-        let inside = |quoted: &&Quoted| quoted.at < place.end.max(place.start + 1) && place.start < end(quoted);
-        let before = || self.quoted.iter().rev().find(|quoted| end(quoted) <= place.start);
-        let first = self.quoted.iter().find(inside).or_else(before).or(self.quoted.first())?;
-        let same = |quoted: &&Quoted| quoted.from.name == first.from.name;
-        let last = self.quoted.iter().rev().filter(same).find(inside).unwrap_or(first);
-        let within = |quoted: &Quoted, at: usize| {
-            quoted.from.part.start + at.saturating_sub(quoted.at).min(quoted.from.part.len())
-        };
+        let end = |quote: &Quote| quote.at + quote.part.len();
+        let inside = |quote: &&Quote| quote.at < place.end.max(place.start + 1) && place.start < end(quote);
+        let before = || self.quotes.iter().rev().find(|quote| end(quote) <= place.start);
+        let first = self.quotes.iter().find(inside).or_else(before).or(self.quotes.first())?;
+        let same = |quote: &&Quote| quote.name == first.name;
+        let last = self.quotes.iter().rev().filter(same).find(inside).unwrap_or(first);
+        let within = |quote: &Quote, at: usize| quote.part.start + at.saturating_sub(quote.at).min(quote.part.len());
         let start = within(first, place.start);
-        Some((&first.from, start..within(last, place.end).max(start)))
+        Some((first, start..within(last, place.end).max(start)))
     }
 }
 
@@ -148,12 +135,12 @@ mod tests {
         constants.push("const one = 1; ");
         let mut formula = Insertion::default();
         formula.push(" output a = one*(");
-        let quote = Quote::all("--input a", "2*t + foo");
-        formula.quote(&quote.slice(0..2));
+        let quoted = Insertion::quoted("--input a", "2*t + foo");
+        formula.append(quoted.slice(0..2));
         formula.push("(");
-        formula.quote(&quote.slice(2..3));
+        formula.append(quoted.slice(2..3));
         formula.push("/s)");
-        formula.quote(&quote.slice(3..9));
+        formula.append(quoted.slice(3..9));
         formula.push(");");
         let insertions = vec![(original.find(" }").unwrap(), formula), (original.find("coord").unwrap(), constants)];
         let sources = Sources::new("a.mbs", original).with_insertions(insertions);

@@ -3,7 +3,7 @@
 use std::fmt::{Debug, Display};
 
 use mbs_derive::diagnostic::Diagnostics;
-use mbs_derive::emit::{self, Options};
+use mbs_derive::emit::{Language, Options};
 use mbs_derive::expr::Graph;
 use mbs_derive::interpret::{Interpreter, State};
 use mbs_derive::model::Lagrangian;
@@ -75,7 +75,7 @@ fn generated(analysis: &Analysis<'_>, sources: &Sources) -> Result<Outcome, Stri
         Ok(generated) => {
             let graph = Graph::verbatim();
             let again = Analysis::of(sources, &graph).map_err(|error| format!("the second time: {error}"))?;
-            let again = emit::rust(again.programs(), &sources.main().name, &Options::default());
+            let again = Language::Rust.write(again.programs(), &sources.main().name, &Options::default());
             same("generated code", &generated.code, &again).map(|()| Outcome::Generated)
         }
         Err(Error::Proof(

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use mbs_derive::parse::{Statement, StatementKind};
-use mbs_derive::source::{Insertion, Quote};
+use mbs_derive::source::Insertion;
 use mbs_derive::variable::Variable;
 
 use super::{Drive, Source, in_si_units};
@@ -100,12 +100,12 @@ impl Declared {
     }
 
     /// What a formula gives, by components: itself, or the elements of `[…, …]` of an array as a whole.
-    pub(super) fn formulas_of(&self, drive: &Drive, formula: Quote) -> Result<Vec<(String, Quote)>, String> {
+    pub(super) fn formulas_of(&self, drive: &Drive, formula: Insertion) -> Result<Vec<(String, Insertion)>, String> {
         let name = &self.name;
         if !self.is_array || *name != drive.name {
             return Ok(vec![(drive.name.clone(), formula)]);
         }
-        let Some(elements) = elements(formula.as_str()) else {
+        let Some(elements) = elements(formula.text()) else {
             let help = format!("write `{name}_0=…`, `{name}_1=…`, or `{name}=[…, …]`");
             return Err(format!("{name}: `{name}` is an array, whose elements have a formula each: {help}"));
         };
@@ -116,8 +116,8 @@ impl Declared {
         Ok((0..).zip(elements).map(of).collect())
     }
 
-    /// ` = value` for the statement of a signal, from what gives it and its elements by an option; none where no formula
-    /// does.
+    /// ` = value` for the statement of a signal, from what gives it and its elements by an option; none where no
+    /// formula does.
     pub(super) fn value_of(&self, drives: &[&Drive], option: &str) -> Result<Option<Insertion>, String> {
         let name = &self.name;
         let mut value = Insertion::default();

@@ -40,6 +40,12 @@ struct Split {
     after: Number,
 }
 
+/// Axes at a smaller sine are parallel, but for the rounding of 100 bits.
+const ROUNDING: f64 = 1e-27;
+
+/// The angles of a turn between axes at a smaller sine are not known to the digits of a double.
+const NEARLY_PARALLEL: f64 = 1e-9;
+
 impl<'g> Linkage<'g> {
     /// How this link's turn splits; `None` where it is none, is of numbers 0 and ±1, of parameters, or not between two
     /// turning joints.
@@ -59,11 +65,13 @@ impl<'g> Linkage<'g> {
         let rq = r.map(|row| [0, 1, 2].map(|column| row[(column + 3 + inner_axis - axis) % 3]));
         let (i, j, k) = ((axis + 1) % 3, (axis + 2) % 3, axis);
         let sine = (rq[k][i] * rq[k][i] + rq[k][j] * rq[k][j]).power(1)?;
-        // Axes that are given by decimals and nearly parallel are not parallel: of 100 bits enough are left of a sine
-        // that a double tells from 0 beside 1.
-        let (before, middle, after) = if sine.to_f64() < f64::EPSILON {
+        // Axes that are given by decimals and nearly parallel are not parallel: what of the 100 bits is left of their
+        // sine does not tell the other two angles, and they stay as they are.
+        let (before, middle, after) = if sine.to_f64() < ROUNDING {
             let middle = if rq[k][k].is_negative() { Number::PI } else { Number::ZERO };
             (Number::ZERO, middle, angle(-rq[i][j], rq[i][i]))
+        } else if sine.to_f64() < NEARLY_PARALLEL {
+            return None;
         } else {
             (angle(rq[i][k], -rq[j][k]), angle(sine, rq[k][k]), angle(rq[k][i], rq[k][j]))
         };
@@ -278,7 +286,7 @@ mod tests {
         ])
     }
 
-    /// A tilt that doubles can tell is kept, one below their digits is none.
+    /// A tilt that is known well enough is split off, one that is not stays; what is left of parallel axes is none.
     #[test]
     fn axes_that_are_nearly_parallel_are_not_parallel() {
         let graph = Graph::new();
@@ -286,11 +294,12 @@ mod tests {
             let turn = Edge::Turn(rotation(0, decimal(angle), &graph));
             linkage(&[(0, joint(2, 0, &graph)), (1, turn), (2, joint(2, 1, &graph))])
         };
-        for angle in [1e-3, 1e-9, 1e-12] {
+        for angle in [1e-3, 1e-6, 2e-9] {
             let middle = tilted(angle).split(2).expect("a turn").middle.to_f64();
             assert!((middle.abs() - angle).abs() <= 1e-12 * angle, "{angle}: {middle}");
         }
-        assert!(tilted(1e-17).split(2).is_some_and(|split| split.middle.is_zero()));
+        assert!([1e-10, 1e-14, 1e-17, 1e-25].into_iter().all(|angle| tilted(angle).split(2).is_none()));
+        assert!(tilted(1e-29).split(2).is_some_and(|split| split.middle.is_zero()));
     }
 
     /// Whether a turn takes axes to axes.

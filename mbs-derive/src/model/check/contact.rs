@@ -1,7 +1,7 @@
 //! Forces at places that no body holds: where a body slides, the place of contact moves on over it.
 //!
-//! `force at r += F` adds `Q = (∂ṙ/∂q̇)ᵀ F`, with the velocity of the *place*. Of a place that is fixed in a body that is
-//! the velocity of the body's point there, `v = v_o + ω × (r − r_o)`; of a place of contact it is not, and the force
+//! `force at r += F` adds `Q = (∂ṙ/∂q̇)ᵀ F`, with the velocity of the *place*. Of a place that is fixed in a body that
+//! is the velocity of the body's point there, `v = v_o + ω × (r − r_o)`; of a place of contact it is not, and the force
 //! would not turn the body as it does. Two signs of it are looked for:
 //!
 //! - the place is counted in a pose, by components that depend on the coordinates which move the pose itself;
@@ -15,10 +15,12 @@ use std::collections::BTreeSet;
 use crate::diagnostic::Code;
 use crate::expr::{Dual, Expr, Graph, Node, Symbol, Tape, Vector, carry_out};
 use crate::model::check::Place;
+use crate::model::check::misplaced::motions;
 use crate::model::check::sample::default_parameters;
 use crate::model::check::singular::along_the_motion;
 use crate::model::frame::{Edge, FrameId};
 use crate::model::lagrangian::{Body, Draft};
+use crate::model::landmark::is_still;
 use crate::model::value::constant::Dependence;
 use crate::model::value::evaluate::Resolver;
 use crate::numeric::Random;
@@ -102,13 +104,27 @@ impl<'g> Resolver<'_, 'g> {
         own.intersection(&moved).copied().collect()
     }
 
-    /// Whether it makes a difference that the place moves on, and nothing has its mass there.
+    /// The frame nearest to the world in which this one is fixed.
+    fn fixed_in(&self, frame: FrameId) -> FrameId {
+        let is_fixed = |edge: Edge<'g>| motions(&edge).into_iter().all(is_still);
+        let up = |&frame: &FrameId| {
+            let at = self.lagrangian.frames.get(frame);
+            at.parent.filter(|_| at.edge.is_some_and(is_fixed))
+        };
+        std::iter::successors(Some(frame), up).last().unwrap_or(frame)
+    }
+
+    /// Whether a body rides on the pose, and it makes a difference to it that the place moves on, and nothing has its
+    /// mass there.
     fn differs(&self, acting: &Acting<'g>) -> bool {
         let lagrangian = &self.lagrangian;
         let Position::Of(_, frame) = acting.position else { return false };
         let Some(pose) = lagrangian.frames.get(frame).parent else { return false };
         let bodies = lagrangian.bodies().0;
-        if bodies.iter().any(|body| lagrangian.frames.nearest_common(body.frame, frame) == frame) {
+        let rides_along = |body: &Body<'g>| self.fixed_in(body.frame) == self.fixed_in(pose);
+        if !bodies.iter().any(rides_along)
+            || bodies.iter().any(|body| lagrangian.frames.nearest_common(body.frame, frame) == frame)
+        {
             return false;
         }
         let centres = bodies.iter().flat_map(|body| world_position(lagrangian, Position::Of(body.com, body.frame)).0);
@@ -428,6 +444,9 @@ mod tests {
             "{cart} kinetic += rigid_body(m, [r, 0, 0], diag(i, i, i), cart*rot_y(y/r)); force at cart.origin() += [0, 0, u];"
         ));
         accepted("force at b.point([y, 0, -l]) += [u, 0, 0];");
+        // The pose is geometry alone.
+        accepted("let f = rot_y(theta/2); force at f.point([l*cos(theta/2), 0, 0]) += [u, 0, 0];");
+        accepted("let f = translation([x/3, 0, 0]); force at f.point([x/3, 0, 0]) += [u, 0, 0];");
         accepted("force at b.point([l*sin(2*pi*t/(1 s)), 0, 0]) += [0, 0, u];");
     }
 

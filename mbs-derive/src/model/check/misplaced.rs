@@ -126,7 +126,7 @@ impl<'g> Resolver<'_, 'g> {
 }
 
 /// What an edge moves by.
-fn motions<'g>(edge: &Edge<'g>) -> Vec<Expr<'g>> {
+pub(super) fn motions<'g>(edge: &Edge<'g>) -> Vec<Expr<'g>> {
     match edge {
         Edge::Rotation { angle, .. } => vec![*angle],
         Edge::Quaternion(q) => q.to_vec(),

@@ -44,14 +44,15 @@ const SINGLE_ZEROS: usize = 16;
 // ---- what is noted while expressions are built
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// Notes the place of a value whose derivative may fail.
-    pub(in crate::model) fn watch(&mut self, value: &Value<'g>, span: &Span) {
+    /// Notes the place of a value whose derivative may fail. Of a root of a square the user has written no choice: that a
+    /// side of it is never taken is nothing to be warned of.
+    pub(in crate::model) fn watch(&mut self, value: &Value<'g>, span: &Span, is_root: bool) {
         let exprs = match value {
             Value::Scalar(scalar) => vec![scalar.expr],
             Value::Vector(vector) => vector.components.0.to_vec(),
             _ => return,
         };
-        for expr in exprs.iter().filter(|expr| is_choice(expr.node())) {
+        for expr in exprs.iter().filter(|expr| !is_root && is_choice(expr.node())) {
             let choice = Choice { place: self.report.place(span).0, is_condition: false };
             self.lagrangian.choices.entry(expr.id()).or_insert(choice);
         }

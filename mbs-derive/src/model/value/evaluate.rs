@@ -23,6 +23,7 @@ use crate::model::value::constant::{Dependence, Facts};
 use crate::model::value::difference::Differences;
 use crate::model::value::dimension::Dimension;
 use crate::model::value::operator::Sum;
+use crate::model::value::root::ROOTS;
 use crate::model::value::{Array, Free, Point, Pose, Scalar, Value};
 use crate::parse::syntax::{BinaryOperator, Expression, ExpressionKind, Name, Span};
 
@@ -212,7 +213,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             let message = "this is not zero, but nearer to it than an `f64` can be";
             return Err(self.refuse(Code::OutOfRange, &span, message, "choose other units, or check the exponents"));
         }
-        self.watch(&value, &span);
+        self.watch(&value, &span, operator == BinaryOperator::Pow);
         self.defined(value, &span)
     }
 
@@ -270,7 +271,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
             return self.value_of_function(function, name, arguments, span);
         }
         let value = builtin::function(self, name, arguments, span)?;
-        self.watch(&value, span);
+        self.watch(&value, span, ROOTS.contains(&name.text.as_str()));
         self.defined(value, span)
     }
 
@@ -285,7 +286,7 @@ impl<'d, 'g> Resolver<'d, 'g> {
         let receiver = self.argument(receiver);
         let arguments = self.arguments(arguments);
         let value = builtin::method(self, name, receiver, arguments, span)?;
-        self.watch(&value, span);
+        self.watch(&value, span, ROOTS.contains(&name.text.as_str()));
         Ok(value)
     }
 
