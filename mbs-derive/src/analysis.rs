@@ -367,6 +367,22 @@ mod tests {
     use crate::interpret::{Interpreter, State};
 
     /// What is not asked for is not derived, and nothing else is another program for that.
+    /// Right angles as they are printed: their cosine is 6e-17, and their sine less 1, which no hundred bits tell from 0.
+    #[test]
+    fn turns_of_nearly_a_right_angle_are_proved() {
+        for [first, second] in [["y", "z"], ["z", "y"], ["x", "z"], ["z", "z"]] {
+            let text = format!(
+                "#![dimensionless] mechanism A {{
+                    param m: 1 = 1; coord q[2]: 1; let a = rot_{first}(q[0]);
+                    let b = a*translation([1, 0, 1/5])*rot_x(1.5707963267948966)*rot_{second}(q[1]);
+                    let i = inertia(1, 2, 5/2, 1/10, 1/5, 3/10); kinetic += rigid_body(m, [1/10, 1/5, 3/10], i, a);
+                    kinetic += rigid_body(m, [1/10, 1/5, 3/10], i, b);
+                }}"
+            );
+            crate::generate("a.mbs", &text, &Default::default()).unwrap_or_else(|e| panic!("{}", e.render("a", &text)));
+        }
+    }
+
     #[test]
     fn functions_that_nobody_asks_for_are_not_derived() {
         let text = "#![dimensionless] mechanism Arm {

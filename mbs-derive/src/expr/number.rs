@@ -260,8 +260,11 @@ impl Number {
             let images_of_integer = in_every_field!(number => number);
             images.iter().zip(images_of_integer).any(|(&image, of_integer)| image == UNDEFINED || image == of_integer)
         };
-        if high.abs() <= inherited && (high == 0.0 || may_be(0)) {
+        if high.abs() <= inherited && may_be(0) || high == 0.0 && inherited == 0.0 {
             Number::ZERO
+        } else if high == 0.0 {
+            // It is no zero, but less than the digits tell.
+            Number::Real { value: inherited, rest: 0.0, error: 1.0, images, parts: [0; 4] }
         } else if high.fract() == 0.0 && high.abs() < 1e9 && low.abs() <= error && may_be(high as i64) {
             Number::integer(high as i64)
         } else {
