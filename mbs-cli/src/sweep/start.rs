@@ -1,7 +1,8 @@
 //! What constraints leave of the state that a member is to start with.
 //!
 //! What a plan names is held, what it does not name follows. Where that asks for more than the constraints leave free,
-//! what varies comes first, for the table tells it of each member, and then what is fixed, in the order of the plan. A
+//! what the key `hold` names comes first, then what varies, for the table tells it of each member, and then, without
+//! that key, what is fixed, in the order of the plan. A
 //! member that cannot have what the table says of it stops; of fixed values that others had to be taken for, there is a
 //! warning.
 
@@ -59,11 +60,7 @@ impl Start {
             return Ok(equations);
         }
         let given = equations.start();
-        let held = self.held.clone().unwrap_or_else(|| self.possible(&equations, &given, redundant_rows));
-        let mut motion = given.clone();
-        assemble(&equations, &mut motion, &held, redundant_rows)?;
-        // As far as the motion itself goes then: what is held may leave a little of the rows.
-        assemble(&equations, &mut motion, &Held::nothing(self.names.len()), redundant_rows)?;
+        let motion = self.assembled(&equations, &given, redundant_rows)?;
         let varied = self.changes(&self.varied, "would start", &given, &motion);
         if !varied.is_empty() {
             return Err(format!(
@@ -83,9 +80,26 @@ impl Start {
         Ok(equations.starting_from(motion))
     }
 
-    /// As much of what is named as can be held: all, or one after the other, positions first.
+    /// The state on the constraints that is nearest to a guess, but for what is held.
+    fn assembled(
+        &self,
+        equations: &Equations<'_>,
+        guess: &Moving,
+        redundant_rows: RedundantRows,
+    ) -> Result<Moving, String> {
+        let held = self.possible(equations, guess, redundant_rows);
+        let mut motion = guess.clone();
+        assemble(equations, &mut motion, &held, redundant_rows)?;
+        // As far as the motion itself goes then: what is held may leave a little of the rows.
+        assemble(equations, &mut motion, &Held::nothing(self.names.len()), redundant_rows)?;
+        Ok(motion)
+    }
+
+    /// What the key `hold` says, and as much of what is named besides as can be held: all, or one after the other,
+    /// positions first. Where the key is given, what is fixed is a guess.
     fn possible(&self, equations: &Equations<'_>, given: &Moving, redundant_rows: RedundantRows) -> Held {
-        let mut held = Held { by: "hold", ..Held::nothing(self.names.len()) };
+        let nothing = || Held { by: "hold", ..Held::nothing(self.names.len()) };
+        let mut held = self.held.clone().unwrap_or_else(nothing);
         let is_possible = |held: &Held| held.is_possible(equations, given, redundant_rows);
         let hold = |held: &mut Held, places: &mut dyn Iterator<Item = &Place>| {
             places.for_each(|&(i, is_velocity)| {
@@ -93,7 +107,8 @@ impl Start {
                 list[i] = true;
             });
         };
-        let named: Vec<Place> = self.varied.iter().chain(&self.fixed).copied().collect();
+        let fixed = if self.held.is_none() { self.fixed.as_slice() } else { &[] };
+        let named: Vec<Place> = self.varied.iter().chain(fixed).copied().collect();
         let mut all = held.clone();
         hold(&mut all, &mut named.iter());
         if is_possible(&all) {

@@ -5,8 +5,13 @@ use crate::{Outcome, Workshop};
 
 /// Of the rod of 2 m, whose bob is at (x, z); `start` is the moment in which the motion begins.
 fn sweep(tables: &str) -> (Outcome, Vec<Vec<String>>) {
+    sweep_of(ROD, tables)
+}
+
+/// As of the rod, of another mechanism with the coordinates x and z.
+fn sweep_of(mechanism: &str, tables: &str) -> (Outcome, Vec<Vec<String>>) {
     let workshop = Workshop::new();
-    workshop.write("rod.mbs", ROD);
+    workshop.write("rod.mbs", mechanism);
     let rest = "[quantities]\nat = \"x\"\nheight = \"z\"\nspeed = \"dt(x)\"\n";
     let motion = if tables.contains("[motion]") { tables.to_string() } else { format!("{tables}\n[motion]") };
     workshop.write("plan.toml", format!("mechanism = \"rod.mbs\"\n{motion}\nduration = \"1e-12 s\"\n{rest}"));
@@ -40,6 +45,28 @@ fn what_varies_is_held_and_what_is_not_named_follows() {
     let (outcome, rows) = sweep("[vary]\nx = { values = [1.2] }\n[fixed]\nz = -1.5\n[motion]\nhold = [\"x\"]");
     assert_eq!(outcome.stderr, "");
     near(&rows[0][3], -1.6);
+}
+
+/// A bob at (x, y, z) on a rod of 2 m: two degrees of freedom.
+const BALL: &str = "mechanism Ball {
+  param m: kg = 1; param l: m = 2; param g: m/s^2 = 9.81;
+  coord x: m; coord y: m; coord z: m;
+  kinetic += 1/2*m*(dt(x)^2 + dt(y)^2 + dt(z)^2);
+  potential += m*g*z;
+  constraint rod: x^2 + y^2 + z^2 = l^2;
+}
+";
+
+#[test]
+fn what_varies_is_held_beside_what_the_plan_holds() {
+    let tables = "[vary]\nx = { values = [1.2, 1.6] }\n[fixed]\ny = 0.5\nz = -1.5\n[motion]\nhold = [\"y\"]";
+    let (outcome, rows) = sweep_of(BALL, tables);
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (0, ""));
+    for (row, x) in rows.iter().zip([1.2_f64, 1.6]) {
+        near(&row[2], x);
+        near(&row[3], -(4.0 - 0.25 - x * x).sqrt());
+    }
+    assert_eq!(rows.len(), 2);
 }
 
 #[test]
