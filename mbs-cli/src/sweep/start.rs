@@ -17,6 +17,9 @@ use crate::equations::{Equations, Motion as Moving};
 use crate::simulate::assembly::{Held, assemble, moved};
 use crate::words::{abridged, plural, without_noise};
 
+/// Which rules decide where members start: another number where a change of them moves the members of a plan.
+pub(super) const RULES: &str = "on constraints, 2";
+
 /// A position or a velocity: the number of the coordinate, and whether it is the velocity.
 type Place = (usize, bool);
 

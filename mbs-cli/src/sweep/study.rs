@@ -20,7 +20,7 @@ use mbs_native::{Compilers, NotCompiled};
 
 use super::gathering::{Wanted, quantities};
 use super::names::{Names, Slot};
-use super::start::Start;
+use super::start::{RULES, Start};
 use crate::cache::Cache;
 use crate::equations::{Equations, Native, Redundant};
 use crate::failure::Failure;
@@ -232,7 +232,7 @@ impl Reading<'_> {
         let driven = drives.resolved(&derivation, (base.state.t, base.state.t + duration))?;
         driven.warn();
         let tables = inputs.iter().chain(&signals).filter_map(Drive::table);
-        let identity = self.identity(&original, tables)?;
+        let identity = self.identity(&original, tables, !derivation.constraints.is_empty())?;
         let study = Study {
             design,
             columns,
@@ -499,7 +499,12 @@ impl Reading<'_> {
     }
 
     /// Digests of all that decides on the table.
-    fn identity<'p>(&self, sources: &Sources, tables: impl Iterator<Item = &'p Path>) -> Result<Identity, Failure> {
+    fn identity<'p>(
+        &self,
+        sources: &Sources,
+        tables: impl Iterator<Item = &'p Path>,
+        is_constrained: bool,
+    ) -> Result<Identity, Failure> {
         let mut texts = Vec::new();
         for number in 0..sources.count() {
             let text = sources.file(number).text.as_deref().unwrap_or_default();
@@ -520,6 +525,9 @@ impl Reading<'_> {
         ];
         if !contents.is_empty() {
             parts.push(("tables", digest(&contents)));
+        }
+        if is_constrained {
+            parts.push(("start of members", RULES.to_string()));
         }
         Ok(Identity::new(parts))
     }

@@ -105,3 +105,20 @@ fn held_names_are_coordinates_that_constraints_move() {
     let report = workshop.bad(&["sweep", "plan.toml"]);
     assert!(report.starts_with("error[MBS0310]: Spring has no constraints, `hold` does nothing\n"), "{report}");
 }
+
+/// Members of a program that let constraints move all of the state are no part of a table where what varies is held.
+#[test]
+fn members_that_started_by_other_rules_are_of_another_run() {
+    let workshop = Workshop::new();
+    workshop.write("rod.mbs", ROD);
+    let plan = "mechanism = \"rod.mbs\"\n[vary]\nx = { values = [1.2, -1.2] }\n[fixed]\nz = -1.6\n[motion]\n\
+                duration = \"1e-12 s\"\n[quantities]\nat = \"x\"\n";
+    workshop.write("plan.toml", plan);
+    workshop.good(&["sweep", "plan.toml", "--interpret", "--rank", "0", "--ranks", "2"]);
+    let identity = workshop.read("plan.csv.parts/ensemble");
+    let line = "start of members: on constraints, 2\n";
+    assert!(identity.contains(line), "{identity}");
+    workshop.write("plan.csv.parts/ensemble", identity.replace(line, ""));
+    let report = workshop.bad(&["sweep", "plan.toml", "--interpret"]);
+    assert!(report.contains("holds members of another run: the start of members has changed since"), "{report}");
+}
