@@ -63,17 +63,31 @@ impl Start {
             return Ok(equations);
         }
         let given = equations.start();
-        let motion = self.assembled(&equations, &given, redundant_rows)?;
-        let varied = self.changes(&self.varied, "would start", &given, &motion);
+        let mut found = self.assembled(&equations, &given, redundant_rows);
+        if let (true, Some(guess)) = (self.may_be_for_the_guess(&given, &found), self.other_guess(&given)) {
+            let other = self.assembled(&equations, &guess, redundant_rows);
+            if other.as_ref().is_ok_and(|motion| self.wrong(&given, motion).iter().all(Vec::is_empty)) {
+                found = other;
+            }
+        }
+        let motion = found?;
+        let [varied, fixed] = self.wrong(&given, &motion);
         if !varied.is_empty() {
+            let unnamed: Vec<String> = self.unnamed().map(|i| format!("`{}`", self.names[i])).collect();
+            let other = match unnamed[..] {
+                [] => String::new(),
+                _ => format!(
+                    "; or it was not found from the guess, `[fixed]` may give another of {}",
+                    abridged(&unnamed)
+                ),
+            };
             return Err(format!(
-                "the constraints do not let it start as the table says: {}; vary what they leave free, the rest follows",
+                "the constraints do not let it start as the table says: {}; vary what they leave free, the rest \
+                 follows{other}",
                 abridged(&varied)
             ));
         }
-        let fixed = self.changes(&self.fixed, "starts", &given, &motion);
-        // Where the plan says what is held, the rest is a guess.
-        if !fixed.is_empty() && self.held.is_none() {
+        if !fixed.is_empty() {
             let mut others = self.others.lock().unwrap_or_else(PoisonError::into_inner);
             others.0 += 1;
             if others.1.as_ref().is_none_or(|(first, _)| member < *first) {
@@ -81,6 +95,42 @@ impl Start {
             }
         }
         Ok(equations.starting_from(motion))
+    }
+
+    /// Of a state that was found: what varies and is not as given, and what is fixed; where the plan says what is held,
+    /// the latter is a guess.
+    fn wrong(&self, given: &Moving, found: &Moving) -> [Vec<String>; 2] {
+        let fixed = if self.held.is_none() { self.fixed.as_slice() } else { &[] };
+        [self.changes(&self.varied, "would start", given, found), self.changes(fixed, "starts", given, found)]
+    }
+
+    /// Whether another guess may lead to what is named: Newton's method does not leave a place where what is not held
+    /// changes no constraint, as that of a circle is at its centre. An error says more where nothing is held.
+    fn may_be_for_the_guess(&self, given: &Moving, found: &Result<Moving, String>) -> bool {
+        match found {
+            Ok(motion) => self.wrong(given, motion).iter().any(|changes| !changes.is_empty()),
+            Err(_) => self.held.is_some(),
+        }
+    }
+
+    /// The coordinates that the plan does not name and does not hold.
+    fn unnamed(&self) -> impl Iterator<Item = usize> {
+        let is_held = |i: usize| self.held.as_ref().is_some_and(|held| held.positions[i]);
+        let is_named = |i: usize| self.varied.iter().chain(&self.fixed).any(|place| *place == (i, false));
+        (0..self.names.len()).filter(move |&i| !is_held(i) && !is_named(i))
+    }
+
+    /// The guess with a part of the largest coordinate for those that are not named, nothing special about them.
+    fn other_guess(&self, given: &Moving) -> Option<Moving> {
+        let largest = given.q.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
+        let size = if largest > 0.0 { largest } else { 1.0 };
+        let mut guess = given.clone();
+        let mut is_other = false;
+        for i in self.unnamed() {
+            guess.q[i] = size * (0.3 + 0.1 * (1.0 + 2.3 * i as f64).sin());
+            is_other = true;
+        }
+        is_other.then_some(guess)
     }
 
     /// The state on the constraints that is nearest to a guess, but for what is held.

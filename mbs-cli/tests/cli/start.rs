@@ -106,6 +106,25 @@ fn held_names_are_coordinates_that_constraints_move() {
     assert!(report.starts_with("error[MBS0310]: Spring has no constraints, `hold` does nothing\n"), "{report}");
 }
 
+/// Newton's method has no way from z = 0, where z changes nothing.
+#[test]
+fn what_is_not_named_follows_from_other_guesses_than_zero() {
+    for motion in ["", "\n[motion]\nhold = [\"x\"]"] {
+        let (outcome, rows) = sweep(&format!("[vary]\nx = {{ values = [1.2, 0.1] }}{motion}"));
+        assert_eq!((outcome.code, outcome.stderr.as_str()), (0, ""));
+        for (row, x) in rows.iter().zip([1.2_f64, 0.1]) {
+            near(&row[2], x);
+            near(&row[3], (4.0 - x * x).sqrt());
+        }
+        assert_eq!(rows.len(), 2);
+    }
+    // Where there is none from there either, it is said that there may be from others.
+    let (_, rows) = sweep("[vary]\nx = { values = [3] }");
+    let reason = rows[0].last().unwrap();
+    let rest = "the rest follows; or it was not found from the guess, `[fixed]` may give another of `z`";
+    assert!(reason.contains(rest), "{reason}");
+}
+
 /// Members of a program that let constraints move all of the state are no part of a table where what varies is held.
 #[test]
 fn members_that_started_by_other_rules_are_of_another_run() {
