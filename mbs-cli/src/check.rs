@@ -51,6 +51,9 @@ fn freedom(arguments: &Arguments, mechanism: &Mechanism) -> Result<Freedom, Fail
     let Some(state) = &arguments.state else { return Freedom::of(derivation) };
     let points = match state::read(state, derivation, &[])? {
         Request::One(point) => vec![point],
+        Request::Many(points) if points.is_empty() => {
+            return Err(Failure::new("the array of --state has no state: give one, or leave it out"));
+        }
         Request::Many(points) => points,
     };
     if derivation.constraints.is_empty() {

@@ -64,6 +64,18 @@ fn every_command_refuses_what_check_refuses() {
     assert_eq!(workshop.bad(&simulate), report);
 }
 
+/// Degrees of freedom at no state are none that could be counted.
+#[test]
+fn an_array_without_states_is_refused() {
+    let workshop = Workshop::new();
+    workshop.write("rod.mbs", crate::constrained::ROD);
+    workshop.write("pendulum.mbs", crate::PENDULUM);
+    for file in ["rod.mbs", "pendulum.mbs"] {
+        let report = workshop.bad(&["check", file, "--state", "[]"]);
+        assert_eq!(report, "error: the array of --state has no state: give one, or leave it out\n");
+    }
+}
+
 /// Warnings are shown, and are no failure.
 #[test]
 fn warnings_are_no_errors() {
