@@ -223,10 +223,11 @@ pub(crate) fn run(arguments: &Arguments, cache: &Cache) -> Result<(), Failure> {
         output::warn(format_args!("{} has no {} to record", derivation.name, without.join(", ")));
     }
     let motion = Motion::integrate(&derivation, &point, &times, &settings, driven, &recorder, ending)?;
-    if motion.stopped.is_some() {
-        // What cannot say that it is a part of a motion is not written.
-        deliver(&motion, &[], arguments)?;
-        return motion.whole().map(drop);
+    if let Some(reason) = &motion.stopped {
+        // What cannot say that it is a part of a motion is not written. Why it is one is said in any case.
+        let delivered = deliver(&motion, &[], arguments);
+        let other = delivered.err().map(|failure| failure.text());
+        return Err(Failure::several(&[Some(reason.clone()), other].into_iter().flatten().collect::<Vec<_>>()));
     }
     let is_at_end = motion.rows.last().is_some_and(|row| row.t >= arguments.t_end);
     if let (Some(until), true) = (until, is_at_end) {

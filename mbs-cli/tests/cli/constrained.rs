@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::Workshop;
+use crate::{Outcome, Workshop};
 
 /// The pendulum of the other tests without friction, in Cartesian coordinates.
 pub(crate) const ROD: &str = "\
@@ -341,6 +341,14 @@ fn a_motion_that_stops_is_written_as_far_as_it_came() {
     assert_eq!(workshop.read("rows.csv"), outcome.stdout);
     assert!(workshop.read("rows.svg").contains("Rod, stopped after t = 0.9"));
     assert!(!workshop.path("rows.glb").exists());
+    // What cannot be written is no reason to keep quiet about the motion.
+    #[cfg(target_os = "linux")]
+    {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let full = Outcome::of(crate::command(&workshop.path(""), &run).stdout(full).output().unwrap());
+        let other = full.stderr.strip_prefix(&outcome.stderr).expect(&full.stderr);
+        assert!(full.code == 1 && other.starts_with("error: cannot write to standard output: "), "{other}");
+    }
     let json = workshop.mbs(&[run.as_slice(), &["--json"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert!(json["stopped"].as_str().unwrap().starts_with(reason));
