@@ -189,7 +189,8 @@ fn packed(
     archived(&entries).map_err(|error| Failure::new(format_args!("cannot pack {}: {error}", arguments.out.display())))
 }
 
-/// Whether the sources that all FMUs have call a type or a function so, or begin the names of theirs so.
+/// Whether the sources that all FMUs have declare a name that is this prefix, or begins with it and `_` as the names of
+/// the mechanism's own functions do: that of an output is `mode_name`, that of a step `communication_step`.
 fn is_taken(prefix: &str, wrapper: &str) -> bool {
     let is_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let declares = |line: &str| {
@@ -197,10 +198,10 @@ fn is_taken(prefix: &str, wrapper: &str) -> bool {
         let declared = !line.starts_with([' ', '#', '/', '*']);
         let ends = line.match_indices(prefix).filter(|(at, _)| !line[..*at].ends_with(is_word));
         let after = ends.map(|(at, _)| &line[at + prefix.len()..]);
-        declared && after.into_iter().any(|rest| rest.starts_with(['(', ';']))
+        declared && after.into_iter().any(|rest| rest.starts_with(['(', ';', '_']))
     };
     let texts = SHARED.iter().map(|(_, text)| *text).chain([wrapper]);
-    prefix == "fmu" || texts.into_iter().any(|text| text.lines().any(declares))
+    texts.into_iter().any(|text| text.lines().any(declares))
 }
 
 /// Stored as they are, in this order, without times: the same bytes for the same mechanism.

@@ -321,9 +321,11 @@ fn mechanisms_are_called_as_they_like() {
     for name in ["Model", "Instance", "States", "Constraints", "Integration", "Jacobian", "Math", "Stdio"]
         .into_iter()
         .chain(["Fmu", "FmuValues", "FmuInstance", "AllFinite", "StatesSet", "ModeName", "TimeSet", "SameSides"])
+        .chain(["Mode", "Communication"])
     {
-        // The function of this output would be `fmu_place`.
-        let text = format!("mechanism {name} {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; output place = x; }}");
+        // Their functions would be `fmu_place`, `mode_name`, and `communication_step`.
+        let outputs = "output place = x; output name = x; output step = x;";
+        let text = format!("mechanism {name} {{ coord x: m; kinetic += 1/2*(1 kg)*dt(x)^2; {outputs} }}");
         let Some((_workshop, folder)) = packed(&text, "{\"q\": [0], \"qd\": [1]}") else { return };
         let Outcome { code, stdout, .. } = run(&folder, &["0", "1", "0.5", "1"]);
         assert_eq!(code, 0, "{name}: {stdout}");
