@@ -4,6 +4,7 @@ use mbs_derive::optimise::{Derivation, FunctionKind};
 use mbs_derive::variable::component_names;
 use mbs_runtime::{ConstraintError, Constraints, RedundantRows};
 
+use super::collapse;
 use crate::equations::{Equations, Motion};
 use crate::words::{abridged, vector};
 
@@ -165,25 +166,43 @@ pub(crate) fn check_rows(
 }
 
 /// A projection takes away an integrator's error. Where it takes away more, constraints lose rank there, as those of a
-/// flattened parallelogram do, and the nearest state may be on another branch. `near` is relative to 1 or the largest
-/// number, and it is said what may pass such a place.
-pub(crate) fn stays_near(t: f64, near: f64, free: &Motion, projected: &Motion, way: &str) -> Result<(), String> {
+/// flattened parallelogram do, and the nearest state may be on another branch; or steps are too long for the motion.
+/// `near` is relative to 1 or the largest number.
+pub(crate) fn stays_near(near: f64, free: &Motion, projected: &Motion) -> bool {
     let largest = |numbers: &[f64]| numbers.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     let change = |from: &[f64], to: &[f64]| {
         from.iter().zip(to).fold(0.0_f64, |largest, (from, to)| largest.max((to - from).abs()))
     };
     let (positions, velocities) = (change(&free.q, &projected.q), change(&free.qd, &projected.qd));
-    if positions <= near * (1.0 + largest(&free.q)) && velocities <= near * (1.0 + largest(&free.qd)) {
-        return Ok(());
-    }
-    Err(format!(
-        "the motion comes to a singular state at t = {t:?}, where constraints lose rank and it may branch; {way}; the nearest state on \
-         them is far, q = {}, qd = {}, at q = {}, qd = {}",
+    positions <= near * (1.0 + largest(&free.q)) && velocities <= near * (1.0 + largest(&free.qd))
+}
+
+/// What there is to say of a state that does not stay near, of a motion that begins with the first, and what may pass
+/// such a place.
+pub(crate) fn strayed(
+    equations: &Equations<'_>,
+    first: &Motion,
+    t: f64,
+    [free, projected]: [&Motion; 2],
+    way: &str,
+) -> String {
+    let rank = |t: f64, motion: &Motion| {
+        equations.projector(RedundantRows::LeaveOut).rank(equations, t, &motion.q, |_| ()).ok()
+    };
+    let before = rank(equations.start_time(), first);
+    let is_lost = |motion: &Motion| {
+        let state = equations.state(t, &motion.q, &motion.qd);
+        collapse::least_share(equations, &state).is_some() || rank(t, motion) < before
+    };
+    let or = if [free, projected].into_iter().any(is_lost) { "" } else { ", or the steps are too long" };
+    format!(
+        "the motion comes to a singular state at t = {t:?}, where constraints lose rank and it may branch{or}; {way}; \
+         the nearest state on them is far, q = {}, qd = {}, at q = {}, qd = {}",
         vector(&projected.q),
         vector(&projected.qd),
         vector(&free.q),
         vector(&free.qd)
-    ))
+    )
 }
 
 /// Which row is open though no coordinate changes it, as that of a unit quaternion is where a state leaves it out.
@@ -197,7 +216,8 @@ fn open_for_good(equations: &Equations<'_>, t: f64, motion: &Motion) -> Option<S
     })?;
     let (name, residual) = (&equations.row_names()[row], residuals[row]);
     Some(format!(
-        "; `{name}` is open by {residual:e}, and at this state no coordinate changes it: give other values to those that it is about"
+        "; `{name}` is open by {residual:e}, and at this state no coordinate changes it: give other values to those \
+         that it is about"
     ))
 }
 

@@ -66,7 +66,7 @@ fn condition(mass_matrix: &[f64], n: usize) -> Option<f64> {
 
 /// The least singular value beside the greatest of A, in rows of length 1 and in units of the coordinates that make the
 /// diagonal of M one, if it is small, but not that of rows which depend on others at all states.
-fn least_share(equations: &Equations<'_>, state: &State) -> Option<f64> {
+pub(crate) fn least_share(equations: &Equations<'_>, state: &State) -> Option<f64> {
     /// What tolerances leave of the distance from a state without full rank.
     const SMALL: f64 = 1e-6;
     const ROUNDING: f64 = 1e-13;

@@ -218,6 +218,7 @@ impl<'a, 'd> Run<'a, 'd> {
         let (equations, start) = (self.equations, self.equations.start_time());
         let mut motion = equations.start();
         self.begin(&mut motion)?;
+        let first = motion.clone();
 
         let mut solver = self.solver();
         let mut projector = equations.projector(self.settings.redundant_rows);
@@ -235,7 +236,10 @@ impl<'a, 'd> Run<'a, 'd> {
                     let explained = assembly::explained(equations, error, t, &free);
                     if is_lost { format!("{explained}; {way}") } else { explained }
                 })
-                .and_then(|()| assembly::stays_near(t, near, &free, moving, way))
+                .and_then(|()| match assembly::stays_near(near, &free, moving) {
+                    true => Ok(()),
+                    false => Err(assembly::strayed(equations, &first, t, [&free, moving], way)),
+                })
         };
 
         onlooker.begin(start, &motion)?;

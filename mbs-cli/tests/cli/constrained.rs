@@ -355,6 +355,16 @@ fn a_motion_that_stops_is_written_as_far_as_it_came() {
     assert_eq!(json["rows"].as_array().unwrap().len(), 10);
 }
 
+/// The rod has full rank at all of its states.
+#[test]
+fn steps_that_are_too_long_are_not_called_singular_states_alone() {
+    let workshop = workshop();
+    let state = r#"{"q": [2, 0]}"#;
+    let run = ["simulate", "rod.mbs", "--state", state, "--t-end", "3", "--dt", "0.07", "--method", "stormer-verlet"];
+    let report = workshop.bad(&run);
+    assert!(report.contains("and it may branch, or the steps are too long; another step may pass it, "), "{report}");
+}
+
 /// What is left of zero beside a length is not shown as a number that matters.
 #[test]
 fn states_are_shown_without_rounding() {
