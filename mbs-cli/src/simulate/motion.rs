@@ -192,13 +192,15 @@ impl<'a, 'd> Run<'a, 'd> {
         let end = times.last().copied().unwrap_or(self.equations.start_time());
         let rows = Vec::with_capacity(times.len());
         let mut recording = Recording { run: self, solver: self.solver(), recorder, remaining: times, rows };
+        let ending = ending.as_ref();
         let function =
             ending.map(|ending| move |t: f64, moving: &Moving| ending.formula.value(self.equations, t, moving));
         let mut events: Vec<Event<'_, Vec<f64>>> = Vec::new();
         if let (Some(function), Some(ending)) = (&function, ending) {
             events.push(Event::new(function).direction(ending.direction).terminal());
         }
-        let outcome = self.follow(end, &mut events, &mut recording).and_then(|(summary, last)| {
+        let names: Vec<&str> = ending.iter().map(|ending| ending.text.as_str()).collect();
+        let outcome = self.follow(end, (&mut events, &names), &mut recording).and_then(|(summary, last)| {
             // Ended by its event between two rows.
             if !recording.remaining.is_empty() && recording.rows.last().is_some_and(|row| row.t < summary.time) {
                 recording.record(summary.time, &last)?;
@@ -208,11 +210,12 @@ impl<'a, 'd> Run<'a, 'd> {
         (recording.rows, outcome)
     }
 
-    /// Integrates to this time, or to an event that ends it, before an onlooker; the state there.
+    /// Integrates to this time, or to an event that ends it, before an onlooker; the state there. Events have names, for
+    /// messages.
     pub(crate) fn follow(
         self,
         end: f64,
-        events: &mut [Event<'_, Vec<f64>>],
+        (events, names): (&mut [Event<'_, Vec<f64>>], &[&str]),
         onlooker: &mut dyn Onlooker,
     ) -> Result<(Summary, Moving), String> {
         let (equations, start) = (self.equations, self.equations.start_time());
@@ -273,6 +276,13 @@ impl<'a, 'd> Run<'a, 'd> {
         match outcome {
             Ok(summary) => Ok((summary, motion)),
             Err(IntegrationError::Stopped { error, .. }) => Err(format!("the integration stopped: {error}")),
+            Err(IntegrationError::NonFiniteEvent { time, event }) => {
+                let name = names.get(event).copied().unwrap_or_default();
+                let state = format!("q = {}, qd = {}", vector(&motion.q), vector(&motion.qd));
+                Err(format!(
+                    "the integration stopped: `{name}` is infinite or NaN right after t = {time:?}, at {state}"
+                ))
+            }
             Err(error) => Err(self.stopped(error, &motion)),
         }
     }

@@ -91,13 +91,14 @@ impl Until {
         let (formula, _) = found.ok_or_else(|| {
             Failure::new(format_args!("{OPTION} \"{}\": a formula that passes zero is one number", self.formula))
         })?;
-        Ok(Ending { formula, direction: runtime(self.direction) })
+        Ok(Ending { text: self.formula.clone(), formula, direction: runtime(self.direction) })
     }
 }
 
 /// What ends a motion.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Ending {
+    pub(crate) text: String,
     pub(crate) formula: Formula,
     pub(crate) direction: mbs_runtime::Direction,
 }

@@ -74,7 +74,9 @@ pub(super) fn quantities(
     }
     let tracks = vec![Track::default(); wanted.len()];
     let mut gathering = Gathering { equations, wanted, tracks, moving: equations.start() };
-    let (summary, last) = run.follow(end, &mut events, &mut gathering)?;
+    let named = wanted.iter().filter(|wanted| wanted.direction().is_some()).map(|wanted| wanted.name.as_str());
+    let names: Vec<&str> = named.chain(until.map(|_| "until")).collect();
+    let (summary, last) = run.follow(end, (&mut events, &names), &mut gathering)?;
     let counts: Vec<usize> = events.iter().map(Event::count).collect();
     drop(events);
     drop(notes);

@@ -444,6 +444,10 @@ fn a_motion_ends_where_a_formula_passes_zero() {
     assert!(report.starts_with("error[MBS0310]: `tehta` is not declared\n --> --until:1:1\n"), "{report}");
     let report = workshop.bad(&[run.as_slice(), &["[theta, 0, 0]"]].concat());
     assert_eq!(report, "error: --until \"[theta, 0, 0]\": a formula that passes zero is one number\n");
+    // The formula has no value past the bottom.
+    let report = workshop.stopped(&[run.as_slice(), &["ln(theta) + 50"]].concat());
+    let reason = "error: the integration stopped: `ln(theta) + 50` is infinite or NaN right after t = ";
+    assert!(report.starts_with(reason) && !report.contains("mass matrix"), "{report}");
     let report = workshop.misused(&[run.as_slice(), &["falling"]].concat());
     assert!(report.contains("write a formula and, if need be, its direction: `height falling`"), "{report}");
 }
