@@ -79,8 +79,17 @@ pub(crate) fn answer(object: impl FnOnce() -> Value, text: impl FnOnce() -> Stri
 
 /// Tells which files were written, if JSON was asked for; people see them.
 pub(crate) fn wrote(paths: &[&Path]) -> Result<(), Failure> {
+    wrote_until(paths, None)
+}
+
+/// Tells which files were written, and why not all is in them that was asked for.
+pub(crate) fn wrote_until(paths: &[&Path], stopped: Option<&str>) -> Result<(), Failure> {
     let names: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
-    if is_json() { print(&json(&serde_json::json!({ "written": names }))) } else { Ok(()) }
+    let mut object = serde_json::json!({ "written": names });
+    if let Some(reason) = stopped {
+        object["stopped"] = reason.into();
+    }
+    if is_json() { print(&json(&object)) } else { Ok(()) }
 }
 
 /// Writes a result to standard output. A reader that has seen enough (`mbs … | head`) is no error.

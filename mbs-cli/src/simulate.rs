@@ -341,7 +341,7 @@ fn deliver(motion: &Motion, others: &[(&Path, Vec<u8>)], arguments: &Arguments) 
     let written: Vec<&Path> = named.chain(others.iter().map(|(path, _)| *path)).collect();
     match &arguments.csv {
         None => output::answer(|| table::object(motion, arguments.units, &written), || csv),
-        Some(_) => output::wrote(&written),
+        Some(_) => output::wrote_until(&written, motion.stopped.as_deref()),
     }
 }
 

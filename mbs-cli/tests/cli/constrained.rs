@@ -353,6 +353,9 @@ fn a_motion_that_stops_is_written_as_far_as_it_came() {
     let json: serde_json::Value = serde_json::from_str(&json.stdout).unwrap();
     assert!(json["stopped"].as_str().unwrap().starts_with(reason));
     assert_eq!(json["rows"].as_array().unwrap().len(), 10);
+    let json = workshop.mbs(&[run.as_slice(), &["--json", "--csv", "rows.csv"]].concat());
+    let json: Value = serde_json::from_str(&json.stdout).unwrap();
+    assert!(json["stopped"].as_str().unwrap().starts_with(reason) && json["written"][0] == "rows.csv", "{json}");
 }
 
 /// The rod has full rank at all of its states.
