@@ -61,7 +61,8 @@ use crate::state::{self, Point, Request};
 /// The CSV has the header `t,<coordinates>,<coordinates>_dot,energy`, energy being T + V, and one row every `--dt`
 /// seconds; the last row is at the end time exactly. Where there are constraints, multipliers `lambda_<row>` and what
 /// is left of the rows, `residual_<row>`, follow; the motion starts from the nearest state that satisfies them and is
-/// kept on them. Of a motion that stops before its end the rows so far are written, with the last line `# stopped: …`.
+/// kept on them. Of a motion that stops before its end the rows so far are written, if there are two or more, with the
+/// last line `# stopped: …`.
 #[derive(clap::Args)]
 #[command(
     after_help = "Example:\n  mbs simulate pendulum.mbs --state '{\"theta\": 0.5}' --t-end 10 --csv motion.csv --plot motion.svg"
