@@ -198,8 +198,8 @@ impl<'a> Report<'a> {
         let _ = writeln!(text, "about t = {:?}, q = {q:?}, qd = {qd:?}, u = {u:?}", state.t);
         let greatest = self.system.accelerations.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
         if greatest > 1e-9 {
-            let what = if self.is_steady { "a steady motion with the" } else { "no equilibrium:" };
-            let _ = writeln!(text, "{what} accelerations {:?}", without_noise(&self.system.accelerations));
+            let what = if self.is_steady { "accelerations that may remain:" } else { "no equilibrium: accelerations" };
+            let _ = writeln!(text, "{what} {:?}", without_noise(&self.system.accelerations));
         }
         if let Some(time) = self.sample_time {
             let _ = writeln!(text, "sampled every {time:?} s");
