@@ -112,6 +112,9 @@ fn units(variables: &[Variable]) -> Vec<String> {
 /// Poles below this part of the largest one are those of integrators, which rounding has moved.
 const ROUNDING: f64 = 1e-12;
 
+/// Real parts below this part of the largest pole are what rounding leaves of zero.
+const NOISE: f64 = 1e-15;
+
 /// What is printed.
 struct Report<'a> {
     point: &'a Point,
@@ -239,8 +242,9 @@ impl<'a> Report<'a> {
         let unit = if self.sample_time.is_some() { "1" } else { "1/s" };
         let _ = writeln!(text, "\npoles [{unit}]                          frequency [rad/s]  damping");
         let sizes = poles.iter().map(|&pole| magnitude(self.continuous(pole))).filter(|size| size.is_finite());
-        let rounding = ROUNDING * sizes.fold(0.0, f64::max);
-        let noise = ROUNDING * poles.iter().map(|&pole| magnitude(pole)).fold(0.0, f64::max);
+        let fastest = sizes.fold(0.0, f64::max);
+        let (rounding, noise_of_rates) = (ROUNDING * fastest, NOISE * fastest);
+        let noise = NOISE * poles.iter().map(|&pole| magnitude(pole)).fold(0.0, f64::max);
         for &pole in poles {
             let continuous = self.continuous(pole);
             // Its sign, and its damping, are those of rounding errors.
@@ -249,9 +253,10 @@ impl<'a> Report<'a> {
                 let _ = writeln!(text, "  {value:<34}  {:>16}  {:>7}", 0, "-");
                 continue;
             }
-            // So are the signs of what is nothing beside the fastest pole.
-            let real = if pole.re.abs() <= noise { 0.0 } else { pole.re };
-            let damping = if continuous.re.abs() <= rounding { 0.0 } else { damping(continuous) };
+            // So are the signs of what is nothing beside the fastest pole, or has no digits here.
+            let real = if pole.re.abs() <= noise.max(5e-7) { 0.0 } else { pole.re };
+            let damping = if continuous.re.abs() <= noise_of_rates { 0.0 } else { damping(continuous) };
+            let damping = if damping.abs() < 5e-5 { 0.0 } else { damping };
             let value = format!("{real:.6} {} {:.6}i", if pole.im < 0.0 { '-' } else { '+' }, pole.im.abs());
             let _ = writeln!(text, "  {value:<34}  {:>16.6}  {damping:>7.4}", magnitude(continuous));
         }
