@@ -542,8 +542,10 @@ def _warn_of_idle(method: str, controls: Mapping[str, float | None], step: float
     """Of arguments that were given and that a method does not have, as the program warns."""
     if method in ("dop853", "dopri5"):
         why, idle = "chooses its steps itself", [] if step is None else ["step"]
-    else:
+    elif method in ("rk4", "gauss_legendre4", "stormer_verlet", "semi_implicit_euler"):
         why, idle = "has no error control", [name for name, value in controls.items() if value is not None]
+    else:
+        return  # It is refused where it is read.
     if idle:
         does = "does" if len(idle) == 1 else "do"
         warnings.warn(f"{method} {why}, {', '.join(idle)} {does} nothing", stacklevel=3)
