@@ -62,6 +62,7 @@ pub(super) fn eigenvalues<const N: usize>(a: &[[f64; N]; N]) -> Result<[Complex;
 ///
 /// # Errors
 /// [`ControlError::NotFinite`]: an entry or an eigenvalue is infinite or NaN.
+/// [`ControlError::NotConverged`]: the iteration did not split all eigenvalues off.
 ///
 /// # Panics
 /// The lengths of the slices do not fit.
