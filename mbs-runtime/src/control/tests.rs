@@ -72,7 +72,6 @@ fn poles_of_known_polynomials() {
     assert_eq!(nan, Err(ControlError::NotFinite { matrix: 'A' }));
 }
 
-/// `T diag(blocks) T⁻¹` in units that are far apart.
 /// Disks that roll in circles, where most poles are zero and rounding has left entries from 1e-32 on: beside zeros and
 /// noise on the diagonal none below it ever gets small enough.
 #[test]
@@ -122,6 +121,7 @@ fn poles_beside_zeros_and_noise() {
     }
 }
 
+/// `T diag(blocks) T⁻¹` in units that are far apart.
 #[test]
 fn poles_of_random_systems_in_any_units() {
     let mut numbers = Numbers(5);
