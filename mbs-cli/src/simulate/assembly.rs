@@ -239,7 +239,8 @@ pub(crate) fn explained(equations: &Equations<'_>, error: ConstraintError, t: f6
             let names: Vec<String> = rows.iter().map(|&row| format!("`{}`", name(row))).collect();
             let [what, depends] = if rows.len() == 1 { ["constraint", "depends"] } else { ["constraints", "depend"] };
             format!(
-                "{what} {} {depends} on the others, {at}; `--redundant least-norm` goes on with multipliers of the least norm",
+                "{what} {} {depends} on the others, {at}; `--redundant least-norm` goes on with multipliers \
+                 of the least norm",
                 abridged(&names)
             )
         }

@@ -2,9 +2,8 @@
 //!
 //! What a plan names is held, what it does not name follows. Where that asks for more than the constraints leave free,
 //! what the key `hold` names comes first, then what varies, for the table tells it of each member, and then, without
-//! that key, what is fixed, in the order of the plan. A
-//! member that cannot have what the table says of it stops; of fixed values that others had to be taken for, there is a
-//! warning.
+//! that key, what is fixed, in the order of the plan. A member that cannot have what the table says of it stops; of
+//! fixed values that others had to be taken for, there is a warning.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -203,8 +202,8 @@ impl Start {
         let (first, changes) = others.1.as_ref()?;
         let members = plural(others.0, "member", "members");
         Some(format!(
-            "the constraints do not let {members} start as `[fixed]` says; the first is {first}: {changes}; `hold = […]` in \
-             `[motion]` names what is meant, the rest is then a guess"
+            "the constraints do not let {members} start as `[fixed]` says; the first is {first}: {changes}; \
+             `hold = […]` in `[motion]` names what is meant, the rest is then a guess"
         ))
     }
 }
