@@ -367,7 +367,7 @@ mod tests {
     use crate::interpret::{Interpreter, State};
 
     /// What is not asked for is not derived, and nothing else is another program for that.
-    /// Right angles as they are printed: their cosine is 6e-17, and their sine less 1, which no hundred bits tell from 0.
+    /// Right angles as they are printed: their cosine is 6e-17, and no hundred bits tell their sine less 1 from 0.
     #[test]
     fn turns_of_nearly_a_right_angle_are_proved() {
         for [first, second] in [["y", "z"], ["z", "y"], ["x", "z"], ["z", "z"]] {

@@ -210,8 +210,8 @@ impl<'a, 'd> Run<'a, 'd> {
         (recording.rows, outcome)
     }
 
-    /// Integrates to this time, or to an event that ends it, before an onlooker; the state there. Events have names, for
-    /// messages.
+    /// Integrates to this time, or to an event that ends it, before an onlooker; the state there. Events have names,
+    /// for messages.
     pub(crate) fn follow(
         self,
         end: f64,

@@ -44,8 +44,10 @@ const SINGLE_ZEROS: usize = 16;
 // ---- what is noted while expressions are built
 
 impl<'d, 'g> Resolver<'d, 'g> {
-    /// Notes the place of a value whose derivative may fail. Of a root of a square the user has written no choice: that a
-    /// side of it is never taken is nothing to be warned of.
+    /// Notes the place of a value whose derivative may fail.
+    ///
+    /// Of a root of a square the user has written no choice: that a side of it is never taken is nothing to be warned
+    /// of.
     pub(in crate::model) fn watch(&mut self, value: &Value<'g>, span: &Span, is_root: bool) {
         let exprs = match value {
             Value::Scalar(scalar) => vec![scalar.expr],
